@@ -1,0 +1,129 @@
+//! What can be wrong with a value before any work is done on it.
+
+/// The result of a check.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// A value that cannot be used, with its limit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A terrain of no samples, or of too many. Choose a size within the limit.
+    #[error("a terrain of {width} x {depth} samples cannot be made: each side takes 1 to {limit} samples")]
+    TerrainSize {
+        /// Samples along x.
+        width: u64,
+        /// Samples along z.
+        depth: u64,
+        /// The longest side.
+        limit: u32,
+    },
+    /// A sample spacing that is not a usable number of metres.
+    #[error("a sample spacing of {spacing_m} m cannot be used: give {min_m} to {max_m} m")]
+    Spacing {
+        /// What was given.
+        spacing_m: f64,
+        /// The finest.
+        min_m: f64,
+        /// The coarsest.
+        max_m: f64,
+    },
+    /// A page size that the atlas cannot hold.
+    #[error("a page of {size} x {size} samples cannot be used: give a power of two from {min} to {max}")]
+    PageSize {
+        /// What was given.
+        size: u32,
+        /// The smallest.
+        min: u32,
+        /// The largest.
+        max: u32,
+    },
+    /// A page built from the wrong number of samples.
+    #[error("a page of {size} x {size} samples needs {expected} heights, {actual} were given")]
+    PageLength {
+        /// Samples a side.
+        size: u32,
+        /// `size * size`.
+        expected: usize,
+        /// What was given.
+        actual: usize,
+    },
+    /// A height that is NaN, infinite or beyond what a terrain holds.
+    #[error("the height {height_m} of {what} cannot be stored: heights are finite and within ±{limit_m} m")]
+    Height {
+        /// What it was the height of.
+        what: String,
+        /// The height, in metres.
+        height_m: f32,
+        /// [`crate::MAX_HEIGHT_M`].
+        limit_m: f32,
+    },
+    /// A region whose numbers are not a rectangle.
+    #[error(
+        "the region [{x_m}, {z_m}, {width_m}, {depth_m}] is no rectangle: all four must be finite, width and depth above 0"
+    )]
+    Region {
+        /// West edge, metres.
+        x_m: f64,
+        /// North edge, metres.
+        z_m: f64,
+        /// Extent along x, metres.
+        width_m: f64,
+        /// Extent along z, metres.
+        depth_m: f64,
+    },
+    /// A stroke point that is not a place, or one absurdly far away.
+    #[error("stroke point {index} ({what} = {value}) cannot be used: {limit}")]
+    Point {
+        /// Which point, from 0.
+        index: usize,
+        /// Which of its values.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// What is allowed.
+        limit: String,
+    },
+    /// A stroke with no points.
+    #[error("the stroke has no points: give at least one [x, z]")]
+    EmptyStroke,
+    /// A brush type that does not exist.
+    #[error("there is no brush type `{name}`: {known}")]
+    BrushType {
+        /// What was asked for.
+        name: String,
+        /// The ones there are.
+        known: String,
+    },
+    /// A field that the brush does not have.
+    #[error("the brush `{brush}` has no field `{field}`: {known}")]
+    BrushField {
+        /// The brush's type.
+        brush: &'static str,
+        /// What was given.
+        field: String,
+        /// The ones it has.
+        known: String,
+    },
+    /// A field that the brush needs and was not given.
+    #[error("the brush `{brush}` needs `{field}`: {why}")]
+    MissingField {
+        /// The brush's type.
+        brush: &'static str,
+        /// The field to give.
+        field: &'static str,
+        /// When it is needed.
+        why: &'static str,
+    },
+    /// A field whose value the brush cannot use.
+    #[error("`{field}` = {value} of the brush `{brush}` cannot be used: {limit}")]
+    BrushValue {
+        /// The brush's type.
+        brush: &'static str,
+        /// Which field.
+        field: &'static str,
+        /// Its value, as it was written.
+        value: String,
+        /// What is allowed.
+        limit: String,
+    },
+}

@@ -1,0 +1,69 @@
+//! What a height may be: finite, within ±1e7 m, and never denormal.
+
+use crate::{Error, Result};
+
+/// The largest height of a terrain, in metres, either way.
+pub const MAX_HEIGHT_M: f32 = 1.0e7;
+
+/// Whether a height may be stored: finite and within ±[`MAX_HEIGHT_M`].
+///
+/// Looks at the bits: a comparison with NaN is false whichever way it is asked.
+#[must_use]
+pub const fn is_storable_height(height_m: f32) -> bool {
+    (height_m.to_bits() & 0x7fff_ffff) <= MAX_HEIGHT_M.to_bits()
+}
+
+/// The height that a kernel stores: clamped to ±[`MAX_HEIGHT_M`], denormals become +0.
+#[inline(always)]
+#[must_use]
+pub fn sanitized_height(height_m: f32) -> f32 {
+    let clamped = height_m.clamp(-MAX_HEIGHT_M, MAX_HEIGHT_M);
+    if clamped.abs() < f32::MIN_POSITIVE { 0.0 } else { clamped }
+}
+
+/// Accepts one height from outside, with denormals turned to +0.
+///
+/// # Errors
+/// [`Error::Height`], naming `what`, when it is not storable.
+pub fn check_height(what: &str, height_m: f32) -> Result<f32> {
+    if is_storable_height(height_m) {
+        Ok(sanitized_height(height_m))
+    } else {
+        Err(Error::Height { what: what.to_owned(), height_m, limit_m: MAX_HEIGHT_M })
+    }
+}
+
+/// Accepts heights from outside, with denormals turned to +0.
+///
+/// # Errors
+/// [`Error::Height`] for the first that is not storable; the heights before it may have been changed.
+pub fn check_heights(what: &str, heights_m: &mut [f32]) -> Result<()> {
+    for height_m in heights_m {
+        *height_m = check_height(what, *height_m)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn storable_is_decided_by_bits() {
+        for good in [0.0, -0.0, 1.0e7, -1.0e7, f32::MIN_POSITIVE, 1.0e-42] {
+            assert!(is_storable_height(good), "{good}");
+        }
+        let just_above = f32::from_bits(MAX_HEIGHT_M.to_bits() + 1);
+        for bad in [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, just_above, -just_above, f32::MAX]
+        {
+            assert!(!is_storable_height(bad), "{bad}");
+        }
+    }
+
+    #[test]
+    fn denormals_become_positive_zero() {
+        assert_eq!(sanitized_height(-1.0e-40).to_bits(), 0);
+        assert_eq!(check_height("a test", 1.0e-45).unwrap().to_bits(), 0);
+        assert!(check_height("a test", f32::NAN).is_err());
+    }
+}

@@ -1,0 +1,41 @@
+//! The vocabulary of Orogeny: what a terrain, a page, a stroke and a brush *are*, with no GPU and no input or output.
+//!
+//! Everything above this crate speaks in these types. Three spaces occur, and names say which one is meant:
+//!
+//! - **world**: metres, `x` to the east along the columns, `z` along the rows; row 0 is the north edge.
+//! - **sample**: `i = x / spacing`, `j = z / spacing`; integers name samples, fractions lie between them.
+//! - **page**: sample coordinates divided by the page size, rounded down.
+//!
+//! Positions are `f64` or integers until a kernel gets them: a terrain may have 2^20 samples a side, and one `f32`
+//! cannot name a place on it.
+//!
+//! ```
+//! use orogeny_field::{PageLayout, TerrainGrid};
+//!
+//! let grid = TerrainGrid::new(4096, 4096, 0.5)?;
+//! let layout = PageLayout::default();
+//! let touched = grid.samples_in_region([100.0, 100.0, 20.0, 20.0])?;
+//! assert_eq!(layout.pages_in(touched).count(), 1);
+//! # Ok::<(), orogeny_field::Error>(())
+//! ```
+
+mod brush;
+mod error;
+mod grid;
+mod height;
+mod instance;
+mod page;
+mod rect;
+mod stroke;
+
+pub use brush::{
+    Blending, Brush, BrushType, Coverage, Falloff, FalloffFormula, LedgeDirection, LevelOnly, PARAMETERS,
+    Parameter, ParameterKind, PressureTarget, Profile, ProfileShape,
+};
+pub use error::{Error, Result};
+pub use grid::{MAX_SIDE_SAMPLES, MAX_SPACING_M, MIN_SPACING_M, TerrainGrid};
+pub use height::{MAX_HEIGHT_M, check_height, check_heights, is_storable_height, sanitized_height};
+pub use instance::{Instance, WeightMode};
+pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
+pub use rect::SampleRect;
+pub use stroke::{MAX_COORDINATE_SAMPLES, PointerSample, Stroke};
