@@ -1,0 +1,27 @@
+//! What happens to a height on its way back: clamped to what a terrain holds, denormals to +0, clampings counted.
+
+use orogeny_field::{MAX_HEIGHT_M, sanitized_height};
+
+/// Replaces each height of a row by what `new_height` makes of it and the amount at its sample, and gives the number of
+/// heights that had to be clamped to ±[`MAX_HEIGHT_M`]. `new_height` gets the sample's place in the row too.
+#[inline(always)]
+pub fn update_row(
+    heights: &mut [f32],
+    amounts: &[f32],
+    mut new_height: impl FnMut(usize, f32, f32) -> f32,
+) -> u32 {
+    let mut num_clamped = 0;
+    for (place, (height, amount)) in heights.iter_mut().zip(amounts).enumerate() {
+        let new = new_height(place, *height, *amount);
+        num_clamped += u32::from(new.abs() > MAX_HEIGHT_M);
+        *height = sanitized_height(new);
+    }
+    num_clamped
+}
+
+/// `a + w (b - a)`, in this order everywhere: `mix` differs by driver.
+#[inline(always)]
+#[must_use]
+pub fn lerp(a: f32, b: f32, w: f32) -> f32 {
+    a + w * (b - a)
+}
