@@ -1,0 +1,21 @@
+// lerp(H, T, A) towards one target height, both ways or one way only. Twin: orogeny_reference::brush::level.
+#include "driver/local.wgsl"
+
+fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32 {
+    var goal = brush.target_height_m;
+    if brush.level_only == 1u {
+        goal = min(goal, height);
+    } else if brush.level_only == 2u {
+        goal = max(goal, height);
+    }
+    return lerp(height, goal, amount);
+}
+
+@compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) num_workgroups: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
+) {
+    update_tile(workgroup, num_workgroups, local);
+}
