@@ -1,0 +1,63 @@
+//! Why a brush cannot be applied.
+
+/// The result of planning or applying a brush.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// A brush that cannot be applied; nothing was changed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A value that cannot be used.
+    #[error(transparent)]
+    Field(#[from] orogeny_field::Error),
+    /// Pages could not be had, kept or given back.
+    #[error(transparent)]
+    Pages(#[from] orogeny_pages::Error),
+    /// A stroke so long, or spaced so closely, that it would not end. Use a larger radius or spacing, or cut it.
+    #[error(
+        "the stroke has over {limit} instances, {spacing_m} m apart; use a larger radius or spacing, or cut it"
+    )]
+    TooManyInstances {
+        /// The limit.
+        limit: u32,
+        /// Metres between instances.
+        spacing_m: f64,
+    },
+    /// More pages than one operation may change. Use a smaller radius or region.
+    #[error("it would change {num_pages} pages of the terrain at once, the limit is {limit}; use a smaller radius or region")]
+    TooManyPages {
+        /// Pages that it would change.
+        num_pages: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// The GPU failed.
+    #[error(transparent)]
+    Gpu(#[from] orogeny_gpu::Error),
+    /// The worker threads could not be started.
+    #[error("the worker threads could not be started: {reason}")]
+    Threads {
+        /// What the system said.
+        reason: String,
+    },
+    /// Work was given to an executor that does not fit what it was made for: a bug in the caller.
+    #[error("the executor was made for pages of {expected} samples a side and got one of {actual}")]
+    PageSize {
+        /// What it was made for.
+        expected: u32,
+        /// What it got.
+        actual: u32,
+    },
+}
+
+impl Error {
+    /// Whether the GPU device is gone, so that the same work can be done again on a new one.
+    #[must_use]
+    pub const fn is_device_lost(&self) -> bool {
+        matches!(
+            self,
+            Self::Gpu(orogeny_gpu::Error::DeviceLost { .. })
+                | Self::Pages(orogeny_pages::Error::Gpu(orogeny_gpu::Error::DeviceLost { .. }))
+        )
+    }
+}

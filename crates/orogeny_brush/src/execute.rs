@@ -1,0 +1,45 @@
+//! What carries out batches.
+
+use orogeny_field::PageKey;
+use orogeny_pages::PageStore;
+
+use crate::Result;
+use crate::plan::Batch;
+
+/// What an operation met on its way, counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+pub struct Notices {
+    /// Heights that would have left what a terrain holds, and were clamped.
+    pub num_clamped_heights: u64,
+}
+
+/// Applies batches to pages. One operation at a time: batches of one stroke or fill in order, then [`finish`](Self::finish)
+/// or [`cancel`](Self::cancel).
+///
+/// Pages stay resident from one operation to the next. Whoever changes them elsewhere (an undo) says so with
+/// [`forget`](Self::forget).
+pub trait Executor: Send {
+    /// What carries out the work, for people.
+    fn description(&self) -> String;
+
+    /// Applies one batch. Pages that have to make room are saved to `store`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Pages`] when pages cannot be had or saved, [`crate::Error::Gpu`] when the GPU fails. The operation
+    /// is then to be cancelled.
+    fn run(&mut self, batch: &Batch, store: &mut dyn PageStore) -> Result<()>;
+
+    /// Ends the operation: all that it changed is saved to `store`. Only after this has returned may the operation be
+    /// acknowledged.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run); nothing of the operation counts as done then.
+    fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices>;
+
+    /// Drops the operation: no page that it changed stays resident. Also after [`finish`](Self::finish), when what was
+    /// saved could not be made durable, until the next operation's first batch.
+    fn cancel(&mut self);
+
+    /// Forgets pages that were changed elsewhere.
+    fn forget(&mut self, keys: &[PageKey]);
+}

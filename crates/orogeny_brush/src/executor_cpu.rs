@@ -1,0 +1,299 @@
+//! The CPU back end: the reference's rows over pages, on all cores.
+//!
+//! A page is one task: its instances act on it in stroke order, row by row, so neither the number of threads nor the order
+//! of the tasks can change a bit.
+
+use std::collections::{BTreeSet, HashMap};
+
+use lru::LruCache;
+use orogeny_field::{Instance, Page, PageKey, PageLayout, SampleRect, WeightMode};
+use orogeny_pages::PageStore;
+use orogeny_reference::amounts;
+use rayon::prelude::*;
+
+use crate::execute::{Executor, Notices};
+use crate::kernels::{RowStart, apply_row};
+use crate::plan::{Batch, PageWork};
+use crate::{Error, Result};
+
+/// Samples of a row that are worked at once: their amounts stay in the first-level cache.
+const ROW_CHUNK: usize = 256;
+
+/// Applies batches on the CPU.
+pub struct CpuExecutor {
+    layout: PageLayout,
+    threads: rayon::ThreadPool,
+    max_pages: usize,
+    resident: LruCache<PageKey, WorkingPage>,
+    dirty: BTreeSet<PageKey>,
+    /// Pages that the running operation has changed, or the last one if none runs.
+    changed: BTreeSet<PageKey>,
+    is_finished: bool,
+    /// Weights of a wash whose page had to make room.
+    spilled_weights: HashMap<PageKey, Page>,
+    notices: Notices,
+}
+
+/// A page during an operation.
+#[derive(Debug)]
+struct WorkingPage {
+    heights: Page,
+    wash: Option<Wash>,
+}
+
+/// What a wash keeps beside a page.
+#[derive(Debug)]
+struct Wash {
+    before: Page,
+    weights: Page,
+}
+
+impl CpuExecutor {
+    /// An executor with a budget for resident pages and a number of threads (`None`: all cores). At least one page is
+    /// always held.
+    ///
+    /// # Errors
+    /// [`Error::Threads`] when the system gives no threads.
+    pub fn new(layout: PageLayout, budget_in_bytes: u64, num_threads: Option<usize>) -> Result<Self> {
+        let threads = rayon::ThreadPoolBuilder::new()
+            .num_threads(num_threads.unwrap_or_default())
+            .thread_name(|index| format!("orogeny.brush.{index}"))
+            .build()
+            .map_err(|err| Error::Threads { reason: err.to_string() })?;
+        // A wash holds three pages for one.
+        let max_pages =
+            usize::try_from(budget_in_bytes / layout.size_in_bytes() / 3).unwrap_or(usize::MAX).max(1);
+        Ok(Self {
+            layout,
+            threads,
+            max_pages,
+            resident: LruCache::unbounded(),
+            dirty: BTreeSet::new(),
+            changed: BTreeSet::new(),
+            is_finished: true,
+            spilled_weights: HashMap::new(),
+            notices: Notices::default(),
+        })
+    }
+
+    /// Takes a page out of the resident ones, or loads it.
+    fn take(&mut self, key: &PageKey, mode: WeightMode, store: &mut dyn PageStore) -> Result<WorkingPage> {
+        let mut page = match self.resident.pop(key) {
+            Some(page) => page,
+            None => WorkingPage { heights: self.load(key, store, |store, key| store.load(key))?, wash: None },
+        };
+        if mode == WeightMode::Wash && page.wash.is_none() {
+            let before = self.load(key, store, |store, key| store.load_before(key))?;
+            let weights =
+                self.spilled_weights.remove(key).unwrap_or_else(|| Page::constant(self.layout, 0.0));
+            page.wash = Some(Wash { before, weights });
+        }
+        Ok(page)
+    }
+
+    fn load(
+        &self,
+        key: &PageKey,
+        store: &mut dyn PageStore,
+        load: impl FnOnce(&mut dyn PageStore, &PageKey) -> Result<Option<Page>, orogeny_pages::BoxError>,
+    ) -> Result<Page> {
+        let page = load(store, key).map_err(orogeny_pages::Error::Source)?;
+        let page = page.unwrap_or_else(|| Page::constant(self.layout, store.constant(key.field)));
+        self.check_size(page.size())?;
+        Ok(page)
+    }
+
+    fn check_size(&self, actual: u32) -> Result<()> {
+        let expected = self.layout.size();
+        if actual == expected { Ok(()) } else { Err(Error::PageSize { expected, actual }) }
+    }
+
+    /// Saves and drops the least recently used pages until the budget is kept.
+    fn make_room(&mut self, store: &mut dyn PageStore) -> Result<()> {
+        let mut changed = Vec::new();
+        while self.resident.len() > self.max_pages {
+            let Some((key, page)) = self.resident.pop_lru() else { break };
+            if self.dirty.remove(&key) {
+                changed.push((key, page.heights));
+            }
+            if let Some(wash) = page.wash {
+                self.spilled_weights.insert(key, wash.weights);
+            }
+        }
+        if changed.is_empty() {
+            return Ok(());
+        }
+        store.save(changed).map_err(|err| orogeny_pages::Error::Source(err).into())
+    }
+}
+
+impl Executor for CpuExecutor {
+    fn description(&self) -> String {
+        format!("CPU, {} threads", self.threads.current_num_threads())
+    }
+
+    fn run(&mut self, batch: &Batch, store: &mut dyn PageStore) -> Result<()> {
+        self.check_size(store.layout().size())?;
+        if std::mem::take(&mut self.is_finished) {
+            self.changed.clear();
+        }
+        for works in batch.pages.chunks(self.max_pages) {
+            let mut tasks = Vec::with_capacity(works.len());
+            for work in works {
+                tasks.push((work, self.take(&work.key, batch.pass.weight_mode, store)?));
+            }
+            let layout = self.layout;
+            let num_clamped: u64 = self
+                .threads
+                .install(|| tasks.par_iter_mut().map(|(work, page)| page.apply(batch, work, layout)).sum());
+            self.notices.num_clamped_heights += num_clamped;
+            for (work, page) in tasks {
+                self.dirty.insert(work.key);
+                self.changed.insert(work.key);
+                self.resident.put(work.key, page);
+            }
+            self.make_room(store)?;
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices> {
+        let changed: Vec<_> = std::mem::take(&mut self.dirty)
+            .into_iter()
+            .filter_map(|key| Some((key, self.resident.peek(&key)?.heights.clone())))
+            .collect();
+        store.save(changed).map_err(orogeny_pages::Error::Source)?;
+        for (_, page) in &mut self.resident {
+            page.wash = None;
+        }
+        self.spilled_weights.clear();
+        self.is_finished = true;
+        Ok(std::mem::take(&mut self.notices))
+    }
+
+    fn cancel(&mut self) {
+        self.dirty.clear();
+        for key in std::mem::take(&mut self.changed) {
+            self.resident.pop(&key);
+        }
+        self.is_finished = true;
+        for (_, page) in &mut self.resident {
+            page.wash = None;
+        }
+        self.spilled_weights.clear();
+        self.notices = Notices::default();
+    }
+
+    fn forget(&mut self, keys: &[PageKey]) {
+        for key in keys {
+            self.resident.pop(key);
+            self.dirty.remove(key);
+        }
+    }
+}
+
+impl WorkingPage {
+    /// Applies the batch's instances to the page; returns the number of clamped heights.
+    fn apply(&mut self, batch: &Batch, work: &PageWork, layout: PageLayout) -> u64 {
+        let page_rect = layout.page_rect(&work.key);
+        let instances = work.instances.iter().filter_map(|index| {
+            let index = *index as usize;
+            Some((batch.instances.get(index)?, batch.bounds.get(index)?.intersection(&page_rect)))
+        });
+        match &mut self.wash {
+            None => instances
+                .map(|(instance, rect)| apply_instance(&mut self.heights, batch, instance, &rect, &page_rect))
+                .sum(),
+            Some(wash) => {
+                for (instance, rect) in instances {
+                    for_each_row(&mut wash.weights, instance, &rect, &page_rect, |start, weights| {
+                        let mut amounts = [0.0; ROW_CHUNK];
+                        let Some(amounts) = amounts.get_mut(..weights.len()) else { return };
+                        let (falloff, mode) = (&batch.pass.falloff, batch.pass.weight_mode);
+                        amounts::row(amounts, start.x, start.z, instance, falloff, mode);
+                        amounts::keep_largest(weights, amounts);
+                    });
+                }
+                wash.apply(&mut self.heights, batch, work, &page_rect)
+            }
+        }
+    }
+}
+
+impl Wash {
+    /// Applies the weights so far to the heights from before the stroke, over the rectangle that the batch touched.
+    fn apply(&self, heights: &mut Page, batch: &Batch, work: &PageWork, page_rect: &SampleRect) -> u64 {
+        let Some(instance) = work.instances.first().and_then(|index| batch.instances.get(*index as usize))
+        else {
+            return 0;
+        };
+        let mut num_clamped = 0;
+        let (x0, x1) = (work.rect.x0.abs_diff(page_rect.x0), work.rect.x1.abs_diff(page_rect.x0));
+        for z in work.rect.z0..work.rect.z1 {
+            let row = z.abs_diff(page_rect.z0);
+            let rows =
+                (heights.row_mut(row, x0, x1), self.before.row(row, x0, x1), self.weights.row(row, x0, x1));
+            if let (Some(heights), Some(before), Some(weights)) = rows {
+                heights.copy_from_slice(before);
+                let start = RowStart { x: work.rect.x0, z };
+                num_clamped += u64::from(apply_row(&batch.pass, instance, start, heights, weights));
+            }
+        }
+        num_clamped
+    }
+}
+
+fn apply_instance(
+    heights: &mut Page,
+    batch: &Batch,
+    instance: &Instance,
+    rect: &SampleRect,
+    page_rect: &SampleRect,
+) -> u64 {
+    let mut num_clamped = 0;
+    for_each_row(heights, instance, rect, page_rect, |start, heights| {
+        let mut amounts = [0.0; ROW_CHUNK];
+        let Some(amounts) = amounts.get_mut(..heights.len()) else { return };
+        amounts::row(amounts, start.x, start.z, instance, &batch.pass.falloff, batch.pass.weight_mode);
+        num_clamped += u64::from(apply_row(&batch.pass, instance, start, heights, amounts));
+    });
+    num_clamped
+}
+
+/// Calls `act` with the samples of a page that may lie within an instance's radius, by rows of at most [`ROW_CHUNK`].
+fn for_each_row(
+    page: &mut Page,
+    instance: &Instance,
+    rect: &SampleRect,
+    page_rect: &SampleRect,
+    mut act: impl FnMut(RowStart, &mut [f32]),
+) {
+    for z in rect.z0..rect.z1 {
+        let (x0, x1) = chord(instance, rect, z);
+        let columns = (x0.abs_diff(page_rect.x0), x1.abs_diff(page_rect.x0));
+        let Some(row) = page.row_mut(z.abs_diff(page_rect.z0), columns.0, columns.1) else { continue };
+        let mut x = x0;
+        for chunk in row.chunks_mut(ROW_CHUNK) {
+            let length = chunk.len() as i32;
+            act(RowStart { x, z }, chunk);
+            x += length;
+        }
+    }
+}
+
+/// The columns of a row of `rect` that may lie within an instance's radius. Errs on the side of one sample more, whose
+/// weight is then exactly 0.
+fn chord(instance: &Instance, rect: &SampleRect, z: i32) -> (i32, i32) {
+    if instance.inverse_radius <= 0.0 {
+        return (rect.x0, rect.x1);
+    }
+    let [cell_x, cell_z] = instance.cell.map(f64::from);
+    let [fraction_x, fraction_z] = instance.fraction.map(f64::from);
+    let radius = 1.000_001 / f64::from(instance.inverse_radius);
+    let dz = f64::from(z) - (cell_z + fraction_z);
+    let half = (radius * radius - dz * dz).max(0.0).sqrt();
+    let centre = cell_x + fraction_x;
+    let first = ((centre - half).floor() as i32).clamp(rect.x0, rect.x1);
+    let end = ((centre + half).ceil() as i32).saturating_add(1).clamp(first, rect.x1);
+    (first, end)
+}

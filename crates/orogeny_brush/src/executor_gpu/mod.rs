@@ -1,0 +1,346 @@
+//! The GPU back end: tiles of pages, in place, in texture arrays.
+//!
+//! A step makes up to [`STEP_PAGES`] pages resident (what has to make room is read back by copies that are only collected
+//! when they arrive), dispatches one workgroup a tile, and submits. Pages are uploaded by commands of the same submission, so
+//! that everything happens in the order in which it is written here.
+
+mod resident;
+mod uniforms;
+
+use std::collections::BTreeSet;
+
+use orogeny_field::{Page, PageKey, PageLayout, WeightMode};
+use orogeny_gpu::{Gpu, Kernels, ReadBack, ReadbackBelt};
+use orogeny_pages::{AtlasLimits, PageStore, Slot};
+
+use crate::execute::{Executor, Notices};
+use crate::plan::{Batch, PageWork};
+use crate::tiles::TileList;
+use crate::{Error, Result};
+use resident::{Heights, Scratch};
+
+pub use uniforms::BrushUniform;
+
+/// Pages made resident at once: bounds the memory of uploads and readbacks in flight to 16 MiB each.
+const STEP_PAGES: usize = 64;
+/// Instance indices after which a step is cut: bounds the tile lists of a batch of large instances to 16 MiB.
+const STEP_INDICES: usize = 4 << 20;
+/// Pages a wash needs at once: its heights, its heights from before and its weights.
+const SMALLEST_BUDGET_PAGES: u64 = 4;
+
+/// How much texture memory a GPU executor may use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct GpuBudget {
+    /// Bytes of all textures together; room for four pages is the least.
+    pub budget_in_bytes: u64,
+    /// Layers of one texture array, up to the device's limit.
+    pub layers_per_array: u32,
+}
+
+/// Applies batches on a GPU.
+#[derive(Debug)]
+pub struct GpuExecutor {
+    gpu: Gpu,
+    layout: PageLayout,
+    kernels: Kernels,
+    heights: Heights,
+    scratch: Scratch,
+    belt: ReadbackBelt<ReadbackTag>,
+    counters: wgpu::Buffer,
+    /// Pages that the running operation has changed, or the last one if none runs.
+    changed: BTreeSet<PageKey>,
+    is_finished: bool,
+}
+
+/// What a page on its way back is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ReadbackTag {
+    Heights(PageKey),
+    Weights(PageKey),
+}
+
+impl GpuExecutor {
+    /// An executor on a device.
+    ///
+    /// # Errors
+    /// [`orogeny_pages::Error::Budget`] for a budget under four pages; [`Error::Gpu`] when the device fails.
+    pub fn new(gpu: Gpu, layout: PageLayout, budget: GpuBudget) -> Result<Self> {
+        let num_pages = budget.budget_in_bytes / layout.size_in_bytes();
+        if num_pages < SMALLEST_BUDGET_PAGES {
+            let budget_in_bytes = budget.budget_in_bytes;
+            let needed = SMALLEST_BUDGET_PAGES;
+            return Err(orogeny_pages::Error::Budget { budget_in_bytes, num_pages, needed }.into());
+        }
+        // Half for heights, a quarter each for the heights from before and the weights of a wash.
+        let limits = |num_pages: u64| AtlasLimits {
+            budget_in_bytes: num_pages * layout.size_in_bytes(),
+            layers_per_array: budget.layers_per_array,
+        };
+        let heights = Heights::new(&gpu, layout, limits(num_pages - 2 * (num_pages / 4)))?;
+        let scratch = Scratch::new(&gpu, layout, limits(num_pages / 4))?;
+        let counters = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("orogeny.brush.counters"),
+            size: uniforms::COUNTERS_SIZE_IN_BYTES,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })?;
+        Ok(Self {
+            layout,
+            kernels: Kernels::new(gpu.clone()),
+            heights,
+            scratch,
+            belt: ReadbackBelt::new(gpu.clone(), layout.size()),
+            counters,
+            changed: BTreeSet::new(),
+            is_finished: true,
+            gpu,
+        })
+    }
+
+    /// The device it works on.
+    #[must_use]
+    pub const fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Bytes of the textures made so far.
+    #[must_use]
+    pub fn texture_size_in_bytes(&self) -> u64 {
+        self.heights.size_in_bytes() + self.scratch.size_in_bytes()
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.gpu
+            .device()
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("orogeny.brush.step") })
+    }
+
+    fn submit(&mut self, encoder: wgpu::CommandEncoder) {
+        self.gpu.queue().submit([encoder.finish()]);
+        self.belt.after_submit();
+    }
+
+    /// One step: makes its pages resident and dispatches its tiles. Gives back how many of the works it took.
+    fn step(
+        &mut self,
+        batch: &Batch,
+        works: &[PageWork],
+        instances: &wgpu::Buffer,
+        store: &mut dyn PageStore,
+    ) -> Result<usize> {
+        let is_wash = batch.pass.weight_mode == WeightMode::Wash;
+        self.await_pages(works, store)?;
+        let mut encoder = self.encoder();
+        self.heights.make_resident(&self.gpu, &mut encoder, &mut self.belt, works, store)?;
+        if is_wash {
+            self.scratch.make_resident(&self.gpu, &mut encoder, &mut self.belt, works, store)?;
+        }
+        let mut lists = std::collections::BTreeMap::<(u32, u32), TileList>::new();
+        let mut num_indices = 0;
+        let mut num_taken = 0;
+        for work in works {
+            if num_indices > STEP_INDICES {
+                break;
+            }
+            num_taken += 1;
+            let Some(slot) = self.heights.slot(&work.key) else { continue };
+            let nowhere = Slot { array: 0, layer: 0 };
+            let scratch_slot = self.scratch.slot(&work.key).filter(|_| is_wash).unwrap_or(nowhere);
+            let list = lists.entry((slot.array, scratch_slot.array)).or_default();
+            let before = list.indices.len();
+            list.add_page(batch, work, self.layout, slot.layer, scratch_slot.layer);
+            num_indices += list.indices.len() - before;
+            self.heights.mark_dirty(&work.key);
+            self.changed.insert(work.key);
+        }
+        for ((array, scratch_array), list) in lists {
+            if !list.tiles.is_empty() {
+                self.dispatch(&mut encoder, batch, instances, array, scratch_array, &list)?;
+            }
+        }
+        self.submit(encoder);
+        let arrived = if self.belt.num_under_way() > STEP_PAGES {
+            self.belt.collect_all()
+        } else {
+            self.belt.collect_arrived()
+        };
+        self.keep(arrived?, store)?;
+        Ok(num_taken)
+    }
+
+    /// Waits for pages of this step that are still on their way out of the atlas.
+    fn await_pages(&mut self, works: &[PageWork], store: &mut dyn PageStore) -> Result<()> {
+        let is_needed = |tag: &ReadbackTag| {
+            let (ReadbackTag::Heights(key) | ReadbackTag::Weights(key)) = tag;
+            works.binary_search_by_key(key, |work| work.key).is_ok()
+        };
+        if self.belt.is_under_way(is_needed) {
+            let arrived = self.belt.collect_all()?;
+            self.keep(arrived, store)?;
+        }
+        Ok(())
+    }
+
+    /// Keeps what has come back: heights in the store, weights of a wash aside.
+    fn keep(&mut self, arrived: Vec<ReadBack<ReadbackTag>>, store: &mut dyn PageStore) -> Result<()> {
+        let mut heights = Vec::new();
+        for ReadBack { tag, samples } in arrived {
+            let page = Page::from_samples(self.layout, samples)?;
+            match tag {
+                ReadbackTag::Heights(key) => heights.push((key, page)),
+                ReadbackTag::Weights(key) => self.scratch.keep_weights(key, page),
+            }
+        }
+        if heights.is_empty() {
+            return Ok(());
+        }
+        store.save(heights).map_err(|err| orogeny_pages::Error::Source(err).into())
+    }
+
+    fn dispatch(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        batch: &Batch,
+        instances: &wgpu::Buffer,
+        array: u32,
+        scratch_array: u32,
+        list: &TileList,
+    ) -> Result<()> {
+        let kernel = self.kernels.kernel(batch.pass.stage.stem(), &uniforms::constants(&batch.pass))?;
+        let storage = wgpu::BufferUsages::STORAGE;
+        let uniform = BrushUniform::from(&batch.pass);
+        let uniform = self.gpu.create_buffer_with(
+            "orogeny.brush.uniform",
+            wgpu::BufferUsages::UNIFORM,
+            bytemuck::bytes_of(&uniform),
+        )?;
+        let tiles =
+            self.gpu.create_buffer_with("orogeny.brush.tiles", storage, bytemuck::cast_slice(&list.tiles))?;
+        let indices = self.gpu.create_buffer_with(
+            "orogeny.brush.indices",
+            storage,
+            bytemuck::cast_slice(&list.indices),
+        )?;
+        // A page that has a slot has its texture.
+        let Some(heights) = self.heights.view(array) else { return Ok(()) };
+        let (before, weights) = self.scratch.views(scratch_array);
+        let resources = [
+            uniform.as_entire_binding(),
+            instances.as_entire_binding(),
+            // The kernel asks for the length, so the binding ends with the last tile.
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: &tiles,
+                offset: 0,
+                size: wgpu::BufferSize::new(size_of_val(list.tiles.as_slice()) as u64),
+            }),
+            indices.as_entire_binding(),
+            self.counters.as_entire_binding(),
+            wgpu::BindingResource::TextureView(heights),
+            wgpu::BindingResource::TextureView(before),
+            wgpu::BindingResource::TextureView(weights),
+        ];
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        let bind_group = self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(batch.pass.stage.stem()),
+            layout: &kernel.bind_group_layout,
+            entries: &entries,
+        });
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(batch.pass.stage.stem()),
+            timestamp_writes: None,
+        });
+        pass.set_pipeline(&kernel.pipeline);
+        pass.set_bind_group(1, &bind_group, &[]);
+        let num_tiles = list.tiles.len() as u32;
+        let columns = num_tiles.min(self.gpu.device().limits().max_compute_workgroups_per_dimension);
+        pass.dispatch_workgroups(columns, num_tiles.div_ceil(columns), 1);
+        Ok(())
+    }
+
+    /// Reads and clears the counter of clamped heights.
+    fn take_num_clamped(&mut self) -> Result<u64> {
+        let size = uniforms::COUNTERS_SIZE_IN_BYTES;
+        let buffer = self.gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("orogeny.brush.counters.readback"),
+            size,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })?;
+        let mut encoder = self.encoder();
+        encoder.copy_buffer_to_buffer(&self.counters, 0, &buffer, 0, size);
+        encoder.clear_buffer(&self.counters, 0, None);
+        self.submit(encoder);
+        let mapped = self.gpu.read_buffer(&buffer)?;
+        Ok(mapped.first().copied().map_or(0, u64::from))
+    }
+}
+
+impl Executor for GpuExecutor {
+    fn description(&self) -> String {
+        format!("GPU, {}", self.gpu.description())
+    }
+
+    fn run(&mut self, batch: &Batch, store: &mut dyn PageStore) -> Result<()> {
+        let (expected, actual) = (self.layout.size(), store.layout().size());
+        if expected != actual {
+            return Err(Error::PageSize { expected, actual });
+        }
+        if std::mem::take(&mut self.is_finished) {
+            self.changed.clear();
+        }
+        let is_wash = batch.pass.weight_mode == WeightMode::Wash;
+        let scratch_slots = if is_wash { self.scratch.num_slots() } else { usize::MAX };
+        let step_pages = STEP_PAGES.min(self.heights.num_slots()).min(scratch_slots);
+        let instances = self.gpu.create_buffer_with(
+            "orogeny.brush.instances",
+            wgpu::BufferUsages::STORAGE,
+            bytemuck::cast_slice(&batch.instances),
+        )?;
+        let mut rest = batch.pages.as_slice();
+        while !rest.is_empty() {
+            let step = rest.get(..step_pages).unwrap_or(rest);
+            let num_taken = self.step(batch, step, &instances, store)?;
+            rest = rest.get(num_taken..).unwrap_or_default();
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices> {
+        let arrived = self.belt.collect_all()?;
+        self.keep(arrived, store)?;
+        for pages in self.heights.take_dirty().chunks(STEP_PAGES) {
+            let mut encoder = self.encoder();
+            for (key, slot) in pages {
+                self.heights.schedule_readback(&mut encoder, &mut self.belt, *key, *slot)?;
+            }
+            self.submit(encoder);
+            let arrived = self.belt.collect_all()?;
+            self.keep(arrived, store)?;
+        }
+        self.scratch.forget_all();
+        let num_clamped_heights = self.take_num_clamped()?;
+        self.gpu.check()?;
+        self.is_finished = true;
+        Ok(Notices { num_clamped_heights })
+    }
+
+    fn cancel(&mut self) {
+        self.belt.forget_all();
+        self.scratch.forget_all();
+        for key in std::mem::take(&mut self.changed) {
+            self.heights.forget(&key);
+        }
+        self.is_finished = true;
+        // A failure here is seen by the next operation's check; the count of a cancelled one is of no use.
+        let _ = self.take_num_clamped();
+    }
+
+    fn forget(&mut self, keys: &[PageKey]) {
+        for key in keys {
+            self.heights.forget(key);
+        }
+    }
+}

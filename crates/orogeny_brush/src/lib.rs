@@ -1,0 +1,34 @@
+//! From a hand's movement to changed pages.
+//!
+//! The way of a stroke: pointer samples → [`StrokeSampler`] (a curve, and places at equal distances along it) →
+//! [`StrokePlanner`] (instances with their strength, the pages and rectangles that they touch, batches) → [`Pass`] and
+//! [`Batch`] as plain data → an [`Executor`]: [`CpuExecutor`] or [`GpuExecutor`]. Everything before the executors is pure
+//! and is tested without a GPU.
+//!
+//! How a stroke is cut into batches, pages, tiles and threads changes no bit of the result on one executor: instances act on
+//! a sample one after another in stroke order, and a wash keeps a largest weight, which has no order.
+
+mod curve;
+mod error;
+mod execute;
+mod executor_cpu;
+mod executor_gpu;
+
+pub mod kernels;
+mod plan;
+mod planner;
+mod sampler;
+mod spacing;
+mod tiles;
+
+pub use curve::CurveSegment;
+pub use error::{Error, Result};
+pub use execute::{Executor, Notices};
+pub use executor_cpu::CpuExecutor;
+pub use executor_gpu::{BrushUniform, GpuBudget, GpuExecutor};
+
+pub use plan::{Batch, PageWork, Pass};
+pub use planner::{FillPlan, StrokePlanner};
+pub use sampler::{PlacedSample, StrokeSampler};
+pub use spacing::{Spacing, profile_weight};
+pub use tiles::{TILE_SIDE, Tile, TileList};

@@ -1,0 +1,97 @@
+//! Work as plain data: what a kernel is to do, with which instances, on which pages.
+
+use orogeny_field::{
+    Falloff, FieldId, Instance, LedgeDirection, LevelOnly, PageKey, PageLayout, SampleRect, WeightMode,
+};
+
+use crate::kernels::Stage;
+
+/// What is the same for all instances of a stroke or fill.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pass {
+    /// Which kernel.
+    pub stage: Stage,
+    /// How weights become amounts.
+    pub weight_mode: WeightMode,
+    /// The profile.
+    pub falloff: Falloff,
+    /// The field whose pages are changed.
+    pub field: FieldId,
+    /// Goal of `level`, in metres.
+    pub target_height_m: f32,
+    /// Which side `ledge` moves.
+    pub ledge_direction: LedgeDirection,
+    /// Which way `level` moves.
+    pub level_only: LevelOnly,
+    /// Feeds `roughen`.
+    pub seed: u32,
+}
+
+/// Successive instances of a stroke and the pages that they touch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Batch {
+    /// What to do.
+    pub pass: Pass,
+    /// In stroke order.
+    pub instances: Vec<Instance>,
+    /// The samples that each instance may change, within the terrain; same order.
+    pub bounds: Vec<SampleRect>,
+    /// In the order of their keys, each once.
+    pub pages: Vec<PageWork>,
+}
+
+/// What a batch does to one page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PageWork {
+    /// Which page.
+    pub key: PageKey,
+    /// The samples that may change, on the terrain; nothing outside is touched.
+    pub rect: SampleRect,
+    /// Indices into [`Batch::instances`], in stroke order: those that reach the rectangle.
+    pub instances: Vec<u32>,
+}
+
+impl Batch {
+    /// Plans instances over pages. An instance is left out of a page that its circle does not reach.
+    #[must_use]
+    pub fn new(pass: Pass, layout: PageLayout, instances: Vec<Instance>, bounds: Vec<SampleRect>) -> Self {
+        let mut pages = std::collections::BTreeMap::<PageKey, PageWork>::new();
+        for (index, (instance, bound)) in instances.iter().zip(&bounds).enumerate() {
+            for (x, z) in layout.pages_in(*bound) {
+                let key = PageKey::full_resolution(pass.field, x, z);
+                let rect = layout.page_rect(&key).intersection(bound);
+                if !reaches(instance, &rect) {
+                    continue;
+                }
+                let work = pages.entry(key).or_insert_with(|| PageWork {
+                    key,
+                    rect: SampleRect::EMPTY,
+                    instances: Vec::new(),
+                });
+                work.rect = work.rect.bounds_with(&rect);
+                work.instances.push(index as u32);
+            }
+        }
+        Self { pass, instances, bounds, pages: pages.into_values().collect() }
+    }
+}
+
+/// Whether any sample of a rectangle may lie within an instance's radius. Errs on the side of yes.
+#[must_use]
+pub(crate) fn reaches(instance: &Instance, rect: &SampleRect) -> bool {
+    if rect.is_empty() {
+        return false;
+    }
+    if instance.inverse_radius <= 0.0 {
+        return true;
+    }
+    let [cell_x, cell_z] = instance.cell.map(f64::from);
+    let [fraction_x, fraction_z] = instance.fraction.map(f64::from);
+    let outside =
+        |place: f64, first: i32, end: i32| place - place.clamp(f64::from(first), f64::from(end - 1));
+    let dx = outside(cell_x + fraction_x, rect.x0, rect.x1);
+    let dz = outside(cell_z + fraction_z, rect.z0, rect.z1);
+    // A millionth more than the radius, for the rounding of the kernels' `f32`.
+    let radius = 1.000_001 / f64::from(instance.inverse_radius);
+    dx * dx + dz * dz < radius * radius
+}

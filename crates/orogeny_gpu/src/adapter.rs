@@ -1,0 +1,114 @@
+//! Adapters: what there is, and which of it to take.
+
+use crate::{Error, Result};
+
+/// Which adapter to take.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum AdapterChoice {
+    /// A real GPU, discrete before integrated. None is an error: the caller then uses the CPU back end.
+    RealGpu,
+    /// A software driver: lavapipe, else the GL one. For tests and off-screen drawing.
+    Software,
+    /// The first whose name contains this, whatever its kind; case does not matter.
+    Named(String),
+}
+
+/// An adapter, for people.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AdapterDescription {
+    /// As the driver names it.
+    pub name: String,
+    /// `Vulkan`, `Metal`, `Dx12` or `Gl`.
+    pub backend: String,
+    /// `discrete GPU`, `integrated GPU`, `virtual GPU`, `software` or `other`.
+    pub kind: &'static str,
+    /// The driver and its version.
+    pub driver: String,
+    /// Whether it calculates on the CPU.
+    pub is_software: bool,
+}
+
+impl AdapterDescription {
+    pub(crate) fn new(info: &wgpu::AdapterInfo) -> Self {
+        let kind = match info.device_type {
+            wgpu::DeviceType::DiscreteGpu => "discrete GPU",
+            wgpu::DeviceType::IntegratedGpu => "integrated GPU",
+            wgpu::DeviceType::VirtualGpu => "virtual GPU",
+            wgpu::DeviceType::Cpu => "software",
+            wgpu::DeviceType::Other => "other",
+        };
+        Self {
+            name: info.name.clone(),
+            backend: format!("{:?}", info.backend),
+            kind,
+            driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+            is_software: is_software(info),
+        }
+    }
+}
+
+impl std::fmt::Display for AdapterDescription {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({}, {}, {})", self.name, self.kind, self.backend, self.driver)
+    }
+}
+
+/// The GL driver of Mesa reports `Other`, so its name is looked at too.
+fn is_software(info: &wgpu::AdapterInfo) -> bool {
+    let name = info.name.to_lowercase();
+    info.device_type == wgpu::DeviceType::Cpu
+        || ["llvmpipe", "swiftshader", "softpipe"].iter().any(|s| name.contains(s))
+}
+
+/// All adapters, best first: discrete, integrated, virtual, other, software; Vulkan, Metal and DX12 before GL.
+#[must_use]
+pub fn list_adapters() -> Vec<AdapterDescription> {
+    adapters().iter().map(|adapter| AdapterDescription::new(&adapter.get_info())).collect()
+}
+
+fn adapters() -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    adapters.sort_by_key(|adapter| {
+        let info = adapter.get_info();
+        let kind = match info.device_type {
+            _ if is_software(&info) => 4,
+            wgpu::DeviceType::DiscreteGpu => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::VirtualGpu => 2,
+            wgpu::DeviceType::Other | wgpu::DeviceType::Cpu => 3,
+        };
+        (kind, u8::from(info.backend == wgpu::Backend::Gl))
+    });
+    adapters
+}
+
+/// The best adapter for a choice.
+pub(crate) fn choose(choice: &AdapterChoice) -> Result<wgpu::Adapter> {
+    let adapters = adapters();
+    let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+    let matches = |info: &wgpu::AdapterInfo| match choice {
+        AdapterChoice::RealGpu => !is_software(info),
+        AdapterChoice::Software => is_software(info),
+        AdapterChoice::Named(name) => info.name.to_lowercase().contains(&name.to_lowercase()),
+    };
+    adapters.into_iter().find(|adapter| matches(&adapter.get_info())).ok_or_else(|| {
+        let (wanted, remedy) = match choice {
+            AdapterChoice::RealGpu => ("real GPU".to_owned(), "use `--adapter cpu`".to_owned()),
+            AdapterChoice::Software => {
+                ("software driver".to_owned(), format!("{}, or use `--adapter cpu`", SOFTWARE_DRIVER_REMEDY))
+            }
+            AdapterChoice::Named(name) => {
+                (format!("adapter whose name contains `{name}`"), "give one of those, or `cpu`".to_owned())
+            }
+        };
+        let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        Error::NoAdapter { wanted, found, remedy }
+    })
+}
+
+#[cfg(target_os = "linux")]
+const SOFTWARE_DRIVER_REMEDY: &str =
+    "install Mesa's (Debian and Ubuntu: `sudo apt-get install -y libvulkan1 mesa-vulkan-drivers`)";
+#[cfg(not(target_os = "linux"))]
+const SOFTWARE_DRIVER_REMEDY: &str = "install one (for example SwiftShader)";

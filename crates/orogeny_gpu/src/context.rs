@@ -1,0 +1,189 @@
+//! One device, with everything that goes wrong on it recorded.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use crate::adapter::{AdapterChoice, AdapterDescription, choose};
+use crate::{Error, Result};
+
+/// How long the device may take for what was submitted before it counts as hung.
+const TIMEOUT: Duration = Duration::from_secs(60);
+
+/// A device and its queue. Cheap to clone; all clones are the same device.
+#[derive(Debug, Clone)]
+pub struct Gpu {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    description: AdapterDescription,
+    troubles: Arc<Mutex<Troubles>>,
+}
+
+/// What the driver said outside of any call that could have returned it.
+#[derive(Debug, Default)]
+struct Troubles {
+    lost: Option<String>,
+    errors: Vec<String>,
+}
+
+impl Gpu {
+    /// Opens a device with WebGPU's default limits and no optional features.
+    ///
+    /// # Errors
+    /// [`Error::NoAdapter`] when nothing fits the choice; [`Error::Unusable`] when the adapter has less than WebGPU's
+    /// default limits or cannot read and write `R32Float` textures in kernels.
+    pub fn open(choice: &AdapterChoice) -> Result<Self> {
+        let adapter = choose(choice)?;
+        let description = AdapterDescription::new(&adapter.get_info());
+        let unusable = |reason: String| Error::Unusable { adapter: description.name.clone(), reason };
+        let read_write = wgpu::TextureFormatFeatureFlags::STORAGE_READ_WRITE;
+        if !adapter.get_texture_format_features(wgpu::TextureFormat::R32Float).flags.contains(read_write) {
+            return Err(unusable("kernels cannot read and write R32Float textures on it".to_owned()));
+        }
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("orogeny.device"),
+            required_features: wgpu::Features::empty(),
+            required_limits: wgpu::Limits::defaults(),
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|err| unusable(format!("it gives no device with WebGPU's default limits: {err}")))?;
+        let troubles = Arc::new(Mutex::new(Troubles::default()));
+        let noted = Arc::clone(&troubles);
+        device.set_device_lost_callback(move |reason, message| {
+            lock(&noted).lost = Some(format!("{reason:?} {message}").trim().to_owned());
+        });
+        let noted = Arc::clone(&troubles);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            lock(&noted).errors.push(error.to_string())
+        }));
+        Ok(Self { device, queue, description, troubles })
+    }
+
+    /// The device.
+    #[must_use]
+    pub const fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// Its queue.
+    #[must_use]
+    pub const fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// Which adapter it is.
+    #[must_use]
+    pub const fn description(&self) -> &AdapterDescription {
+        &self.description
+    }
+
+    /// Whether all is well so far. To be asked after waiting and before work is called done: a lost device takes further
+    /// work in silence.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`], for good; or [`Error::Validation`] with what the driver has refused since the last check.
+    pub fn check(&self) -> Result<()> {
+        let mut troubles = lock(&self.troubles);
+        if let Some(reason) = &troubles.lost {
+            return Err(Error::DeviceLost { adapter: self.description.name.clone(), reason: reason.clone() });
+        }
+        if troubles.errors.is_empty() {
+            return Ok(());
+        }
+        Err(Error::Validation { messages: std::mem::take(&mut troubles.errors).join("; ") })
+    }
+
+    /// Waits until all submitted work is done, then [`check`](Self::check)s.
+    ///
+    /// # Errors
+    /// As [`check`](Self::check); [`Error::Timeout`] when the device hangs.
+    pub fn wait(&self) -> Result<()> {
+        let waited =
+            self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) });
+        self.check()?;
+        waited.map(|_| ()).map_err(|_| Error::Timeout { timeout_s: TIMEOUT.as_secs() })
+    }
+
+    /// A buffer.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], or [`Error::Validation`] for a size beyond the limits.
+    pub fn create_buffer(&self, descriptor: &wgpu::BufferDescriptor<'_>) -> Result<wgpu::Buffer> {
+        self.made(descriptor.label, descriptor.size, || self.device.create_buffer(descriptor))
+    }
+
+    /// A buffer that holds `content`, of at least 16 bytes.
+    ///
+    /// # Errors
+    /// As [`create_buffer`](Self::create_buffer); [`Error::DeviceLost`] when its memory cannot be reached.
+    pub fn create_buffer_with(
+        &self,
+        label: &str,
+        usage: wgpu::BufferUsages,
+        content: &[u8],
+    ) -> Result<wgpu::Buffer> {
+        let size = (content.len() as u64).max(16).next_multiple_of(4);
+        let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: true };
+        let buffer = self.create_buffer(&descriptor)?;
+        {
+            let mut mapped =
+                buffer.get_mapped_range_mut(..content.len() as u64).map_err(|_| self.unreachable())?;
+            mapped.copy_from_slice(content);
+        }
+        buffer.unmap();
+        Ok(buffer)
+    }
+
+    /// The words of a buffer that can be mapped, after waiting for all submitted work.
+    ///
+    /// # Errors
+    /// As [`wait`](Self::wait).
+    pub fn read_buffer(&self, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
+        // Whether it was mapped is seen below; what went wrong is in the check.
+        buffer.map_async(wgpu::MapMode::Read, .., |_| {});
+        self.wait()?;
+        let words = {
+            let mapped = buffer.get_mapped_range(..).map_err(|_| self.unreachable())?;
+            bytemuck::pod_collect_to_vec(&mapped)
+        };
+        buffer.unmap();
+        Ok(words)
+    }
+
+    /// A texture.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], or [`Error::Validation`] for a size beyond the limits.
+    pub fn create_texture(&self, descriptor: &wgpu::TextureDescriptor<'_>) -> Result<wgpu::Texture> {
+        let size = descriptor.size;
+        let texels = u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers);
+        let texel_size = u64::from(descriptor.format.block_copy_size(None).unwrap_or(4));
+        self.made(descriptor.label, texels * texel_size, || self.device.create_texture(descriptor))
+    }
+
+    /// Runs `make` and gives the error that the driver had for it, if any.
+    fn made<T>(&self, label: Option<&str>, size_in_bytes: u64, make: impl FnOnce() -> T) -> Result<T> {
+        let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let made = make();
+        let (memory, validation) = (pollster::block_on(memory.pop()), pollster::block_on(validation.pop()));
+        if memory.is_some() {
+            return Err(Error::OutOfMemory { what: label.unwrap_or("a resource").to_owned(), size_in_bytes });
+        }
+        match validation {
+            Some(error) => Err(Error::Validation { messages: error.to_string() }),
+            None => Ok(made),
+        }
+    }
+
+    /// The error for memory that cannot be mapped: the device is lost, or the driver is broken.
+    pub(crate) fn unreachable(&self) -> Error {
+        let broken = || Error::Validation { messages: "a buffer could not be mapped".to_owned() };
+        self.check().err().unwrap_or_else(broken)
+    }
+}
+
+/// A panic while the lock is held cannot leave the record half written, so a poisoned one is as good as any.
+fn lock(troubles: &Mutex<Troubles>) -> std::sync::MutexGuard<'_, Troubles> {
+    troubles.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,159 @@
+//! Compute pipelines, made once for each stem and set of constants.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use orogeny_shaders::{Binding, BindingKind, SampleType, Shader, TextureAccess, TextureDimension, shader};
+
+use crate::{Error, Gpu, Result};
+
+/// The bind group that belongs to the kernel; 0 is the frame's.
+const KERNEL_GROUP: u32 = 1;
+
+/// A compute kernel with its constants set.
+#[derive(Debug)]
+pub struct Kernel {
+    /// The pipeline.
+    pub pipeline: wgpu::ComputePipeline,
+    /// The layout of bind group 1, reflected from the shader.
+    pub bind_group_layout: wgpu::BindGroupLayout,
+}
+
+/// The kernels of a device, built when first asked for.
+#[derive(Debug)]
+pub struct Kernels {
+    gpu: Gpu,
+    built: HashMap<Variant, Arc<Kernel>>,
+}
+
+/// A stem and its constants, in the order in which they were given.
+type Variant = (&'static str, Vec<(&'static str, u32)>);
+
+impl Kernels {
+    /// None built yet.
+    #[must_use]
+    pub fn new(gpu: Gpu) -> Self {
+        Self { gpu, built: HashMap::new() }
+    }
+
+    /// The kernel of a stem (`brush/raise`) with its pipeline-overridable constants.
+    ///
+    /// # Errors
+    /// [`Error::NoKernel`] for an unknown stem, [`Error::Validation`] when the driver refuses it.
+    pub fn kernel(&mut self, stem: &'static str, constants: &[(&'static str, u32)]) -> Result<Arc<Kernel>> {
+        let variant = (stem, constants.to_vec());
+        if let Some(kernel) = self.built.get(&variant) {
+            return Ok(Arc::clone(kernel));
+        }
+        let kernel = Arc::new(self.build(stem, constants)?);
+        self.built.insert(variant, Arc::clone(&kernel));
+        Ok(kernel)
+    }
+
+    fn build(&self, stem: &str, constants: &[(&str, u32)]) -> Result<Kernel> {
+        let shader = shader(stem).ok_or_else(|| Error::NoKernel { stem: stem.to_owned() })?;
+        let device = self.gpu.device();
+        let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let label = format!("orogeny.{stem}");
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(&label),
+            source: wgpu::ShaderSource::Wgsl(shader.wgsl.as_ref().into()),
+        });
+        let entries: Vec<_> = shader
+            .bindings
+            .iter()
+            .filter(|binding| binding.group == KERNEL_GROUP)
+            .map(layout_entry)
+            .collect();
+        let bind_group_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(&label),
+            entries: &entries,
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts: &[None, Some(&bind_group_layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&label),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(&shader.entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &own_constants(shader, constants),
+                ..wgpu::PipelineCompilationOptions::default()
+            },
+            cache: None,
+        });
+        match pollster::block_on(validation.pop()) {
+            Some(error) => Err(Error::Validation { messages: format!("kernel `{stem}`: {error}") }),
+            None => Ok(Kernel { pipeline, bind_group_layout }),
+        }
+    }
+}
+
+/// The constants that the shader declares: a driver shared by kernels may use more of them than each kernel has.
+fn own_constants<'a>(shader: &Shader, constants: &[(&'a str, u32)]) -> Vec<(&'a str, f64)> {
+    let declared = |name: &str| shader.overrides.iter().any(|constant| constant.name == name);
+    constants
+        .iter()
+        .filter(|(name, _)| declared(name))
+        .map(|(name, value)| (*name, f64::from(*value)))
+        .collect()
+}
+
+fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
+    let buffer = |ty| wgpu::BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: std::num::NonZeroU64::new(binding.size_in_bytes),
+    };
+    let ty = match binding.kind {
+        BindingKind::UniformBuffer => buffer(wgpu::BufferBindingType::Uniform),
+        BindingKind::StorageBuffer { writable } => {
+            buffer(wgpu::BufferBindingType::Storage { read_only: !writable })
+        }
+        BindingKind::Texture { dimension, sample_type, multisampled } => wgpu::BindingType::Texture {
+            sample_type: match sample_type {
+                // Heights are R32Float, which WebGPU does not filter.
+                SampleType::Float => wgpu::TextureSampleType::Float { filterable: false },
+                SampleType::Sint => wgpu::TextureSampleType::Sint,
+                SampleType::Uint => wgpu::TextureSampleType::Uint,
+                SampleType::Depth => wgpu::TextureSampleType::Depth,
+            },
+            view_dimension: view_dimension(dimension),
+            multisampled,
+        },
+        BindingKind::StorageTexture { dimension, access, .. } => wgpu::BindingType::StorageTexture {
+            access: match access {
+                TextureAccess::Read => wgpu::StorageTextureAccess::ReadOnly,
+                TextureAccess::Write => wgpu::StorageTextureAccess::WriteOnly,
+                TextureAccess::ReadWrite => wgpu::StorageTextureAccess::ReadWrite,
+            },
+            // The only format that kernels write (shaders/README.md).
+            format: wgpu::TextureFormat::R32Float,
+            view_dimension: view_dimension(dimension),
+        },
+        BindingKind::Sampler { comparison } => wgpu::BindingType::Sampler(if comparison {
+            wgpu::SamplerBindingType::Comparison
+        } else {
+            wgpu::SamplerBindingType::NonFiltering
+        }),
+    };
+    wgpu::BindGroupLayoutEntry {
+        binding: binding.binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty,
+        count: None,
+    }
+}
+
+fn view_dimension(dimension: TextureDimension) -> wgpu::TextureViewDimension {
+    match dimension {
+        TextureDimension::D1 => wgpu::TextureViewDimension::D1,
+        TextureDimension::D2 => wgpu::TextureViewDimension::D2,
+        TextureDimension::D2Array => wgpu::TextureViewDimension::D2Array,
+        TextureDimension::D3 => wgpu::TextureViewDimension::D3,
+        TextureDimension::Cube => wgpu::TextureViewDimension::Cube,
+    }
+}

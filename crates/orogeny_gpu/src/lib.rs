@@ -1,0 +1,22 @@
+//! The GPU as Orogeny uses it: one device with its loss seen, kernels built from the embedded shaders, and copies that never
+//! block a frame.
+//!
+//! - [`list_adapters`], [`AdapterChoice`]: what there is, and which of it to take.
+//! - [`Gpu`]: device and queue, with every error and the loss of the device recorded; [`Gpu::check`] is asked before
+//!   anything is called done, since wgpu reports nothing once a device is gone.
+//! - [`Kernels`]: compute pipelines by stem and constants, built once. Bind group layouts come from the shader's reflection.
+//! - [`ReadbackBelt`]: texture layers on their way back to memory.
+//!
+//! Limits: only WebGPU's default limits and no optional features are asked for.
+
+mod adapter;
+mod context;
+mod error;
+mod kernel;
+mod readback;
+
+pub use adapter::{AdapterChoice, AdapterDescription, list_adapters};
+pub use context::Gpu;
+pub use error::{Error, Result};
+pub use kernel::{Kernel, Kernels};
+pub use readback::{ReadBack, ReadbackBelt};
