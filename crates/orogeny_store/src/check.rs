@@ -1,0 +1,147 @@
+//! The check of everything: every row, every page, every delta, and whether they fit together.
+
+use std::collections::BTreeMap;
+
+use orogeny_field::PageKey;
+use rayon::prelude::*;
+
+use crate::rows::SavedLayer;
+use crate::{Error, Result, Store, content};
+
+/// What [`Store::check`] looked at and found.
+#[derive(Debug, Default)]
+pub struct CheckReport {
+    /// Pages that were read and decoded.
+    pub num_pages: u64,
+    /// History entries, the terrain's creation included.
+    pub num_entries: u64,
+    /// Deltas that were read and decoded.
+    pub num_deltas: u64,
+    /// Everything that is wrong. Empty for a whole terrain.
+    pub problems: Vec<Error>,
+}
+
+/// How many page keys are held at once.
+const KEYS_PER_READ: u32 = 4096;
+
+impl Store {
+    /// Reads and verifies the whole terrain as it was last committed; memory stays bounded, except for the history's
+    /// own list. Damage is no error here: it is what the report lists.
+    ///
+    /// # Errors
+    /// When the file cannot be read at all.
+    pub fn check(&self) -> Result<CheckReport> {
+        self.db.in_snapshot(|| {
+            let mut report = CheckReport::default();
+            let structure = self.db.structural_problems();
+            let lines = report.keep(structure).unwrap_or_default();
+            report.problems.extend(lines.into_iter().map(|line| Error::damaged(self.path(), line)));
+            let pages = self.check_pages(&mut report);
+            report.keep(pages);
+            let history = self.check_history(&mut report);
+            report.keep(history);
+            let fit = self.check_fit(&mut report);
+            report.keep(fit);
+            Ok(report)
+        })
+    }
+
+    fn check_pages(&self, report: &mut CheckReport) -> Result<()> {
+        let layout = self.layout();
+        let mut last = None;
+        loop {
+            let keys = self.db.page_keys_after(last, KEYS_PER_READ)?;
+            let Some(last_key) = keys.last() else { return Ok(()) };
+            last = Some(*last_key);
+            self.check_each(
+                report,
+                &keys,
+                |key| self.db.page(layout, key),
+                |page| page.as_ref().map_or(Ok(()), |page| content::decode_page(layout, page).map(|_| ())),
+            );
+            report.num_pages += keys.len() as u64;
+        }
+    }
+
+    fn check_history(&self, report: &mut CheckReport) -> Result<()> {
+        let mut entries = Vec::new();
+        self.db.for_each_entry(|entry| {
+            report.num_entries += 1;
+            if let Some(entry) = report.keep(entry) {
+                entries.push((entry.id, entry.num_pages));
+            }
+            Ok(())
+        })?;
+        for (entry, num_pages) in entries {
+            let changes = self.db.layer_changes(entry);
+            report.keep(changes);
+            let keys = self.db.delta_keys(entry)?;
+            if keys.len() != num_pages as usize {
+                let detail = format!("it changed {num_pages} pages, the history has {} of them", keys.len());
+                report.problems.push(Error::DamagedHistory { entry, page: None, detail });
+            }
+            let layout = self.layout();
+            self.check_each(
+                report,
+                &keys,
+                |key| self.db.delta(layout, entry, key),
+                |delta| content::decode_delta(layout, entry, delta).map(|_| ()),
+            );
+            report.num_deltas += keys.len() as u64;
+        }
+        Ok(())
+    }
+
+    /// Whether pages and layers are what the applied entries left.
+    fn check_fit(&self, report: &mut CheckReport) -> Result<()> {
+        for (key, is_in_directory) in self.db.pages_that_contradict_the_history()? {
+            let detail = match (is_in_directory, self.db.page_revision(&key)?) {
+                (true, Some(revision)) => {
+                    format!("the history does not lead to its state, that of entry {revision}")
+                }
+                (_, None) => "the history has it, the terrain has not".to_owned(),
+                // Reported from the directory's side.
+                (false, Some(_)) => continue,
+            };
+            report.problems.push(Error::damaged_page(key, detail));
+        }
+        let mut applied = Vec::new();
+        let mut at = Some(self.db.document()?.head);
+        while let Some(entry) = at {
+            applied.push(entry);
+            at = self.db.entry(entry)?.parent.filter(|parent| *parent < entry);
+        }
+        let mut expected: BTreeMap<u32, Option<String>> = BTreeMap::new();
+        for entry in applied.into_iter().rev() {
+            expected
+                .extend(self.db.layer_changes(entry)?.into_iter().map(|change| (change.layer, change.after)));
+        }
+        let expected = expected.into_iter().filter_map(|(id, state)| Some(SavedLayer { id, state: state? }));
+        if !expected.eq(self.db.saved_layers()?) {
+            let detail = "the layers are not what the history leads to";
+            report.problems.push(Error::damaged(self.path(), detail));
+        }
+        Ok(())
+    }
+
+    /// Reads rows one by one, in batches, and decodes each batch on all cores.
+    fn check_each<Row: Send + Sync>(
+        &self,
+        report: &mut CheckReport,
+        keys: &[PageKey],
+        read: impl Fn(&PageKey) -> Result<Row>,
+        decode: impl Fn(&Row) -> Result<()> + Sync,
+    ) {
+        for batch in keys.chunks(content::pages_per_batch(self.layout())) {
+            let rows: Vec<Row> = batch.iter().filter_map(|key| report.keep(read(key))).collect();
+            report.problems.par_extend(rows.par_iter().filter_map(|row| decode(row).err()));
+        }
+    }
+}
+
+impl CheckReport {
+    /// Lists what went wrong, and goes on.
+    fn keep<T>(&mut self, result: Result<T>) -> Option<T> {
+        result.map_err(|problem| self.problems.push(problem)).ok()
+    }
+}

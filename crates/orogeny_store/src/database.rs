@@ -1,0 +1,231 @@
+//! The SQLite connection: opening it safely, transactions, and what its errors mean.
+//!
+//! Nothing here opens the file beside SQLite: closing such a handle would drop the locks that SQLite holds on it for
+//! the whole process.
+
+use std::path::{Path, PathBuf};
+
+use rusqlite::config::DbConfig;
+use rusqlite::{Connection, OpenFlags};
+
+use crate::{Error, Result, format};
+
+/// An open terrain file.
+pub(crate) struct Database {
+    pub(crate) conn: Connection,
+    path: PathBuf,
+}
+
+impl Database {
+    /// Makes a new, empty file with the schema in it, and calls `fill` to write the first rows, all in one
+    /// transaction. When anything fails nothing is left behind.
+    pub(crate) fn create(path: &Path, fill: impl FnOnce(&Self) -> Result<()>) -> Result<Self> {
+        let path = absolute(path)?;
+        // Reserves the name, so that a file that comes into being meanwhile is never overwritten.
+        match std::fs::OpenOptions::new().write(true).create_new(true).open(&path) {
+            Ok(_) => {}
+            Err(_) if path.is_dir() => return Err(Error::Directory { path }),
+            Err(err) if err.kind() == std::io::ErrorKind::NotFound => {
+                let detail = "its folder does not exist: make it first".to_owned();
+                return Err(Error::Io { path, detail });
+            }
+            Err(err) => return Err(Error::from_io(&path, &err)),
+        }
+        Self::fill_new_file(&path, fill).inspect_err(|_| {
+            // The first error is the one to report.
+            std::fs::remove_file(&path).ok();
+            for suffix in format::COMPANION_SUFFIXES {
+                std::fs::remove_file(companion(&path, suffix)).ok();
+            }
+        })
+    }
+
+    fn fill_new_file(path: &Path, fill: impl FnOnce(&Self) -> Result<()>) -> Result<Self> {
+        let db = Self::connect(path)?;
+        db.run(format::NEW_FILE_SETTINGS)?;
+        db.configure()?;
+        db.in_transaction(|| {
+            db.run(format::SCHEMA)?;
+            db.run(&format!(
+                "PRAGMA application_id = {}; PRAGMA user_version = {};",
+                format::APPLICATION_ID,
+                format::FORMAT_VERSION
+            ))?;
+            fill(&db)
+        })?;
+        db.checkpoint()?;
+        Ok(db)
+    }
+
+    /// Opens a file after looking at its magic and version. A file that is refused is not changed.
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        let path = absolute(path)?;
+        let metadata = std::fs::metadata(&path).map_err(|err| Error::from_io(&path, &err))?;
+        if metadata.is_dir() {
+            return Err(Error::Directory { path });
+        }
+        let db = Self::connect(&path)?;
+        db.refuse_foreign_files()?;
+        db.configure()?;
+        Ok(db)
+    }
+
+    fn connect(path: &Path) -> Result<Self> {
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        let conn = Connection::open_with_flags(path, flags).map_err(|err| Error::from_sqlite(path, err))?;
+        let db = Self { conn, path: path.to_owned() };
+        db.conn.busy_timeout(format::BUSY_TIMEOUT).map_err(|err| db.fault(err))?;
+        Ok(db)
+    }
+
+    fn refuse_foreign_files(&self) -> Result<()> {
+        let not_a_terrain = |detail: String| Error::NotATerrain { path: self.path.clone(), detail };
+        // Otherwise closing would move a log that belongs to someone else into their file. Where there is none, closing
+        // must remove the empty one that looking makes.
+        let has_log = std::fs::metadata(companion(&self.path, "-wal")).is_ok_and(|log| log.len() > 0);
+        self.set_config(DbConfig::SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, has_log)?;
+        let application_id = self.setting("application_id").map_err(|err| match err {
+            rusqlite::Error::SqliteFailure(failure, _)
+                if failure.code == rusqlite::ErrorCode::NotADatabase =>
+            {
+                not_a_terrain("it is no SQLite database, or its first bytes are damaged".to_owned())
+            }
+            err => self.fault(err),
+        })?;
+        if application_id != format::APPLICATION_ID {
+            return Err(not_a_terrain(format!(
+                "it is empty or belongs to another program (application id {application_id:#010x}, \
+                 a terrain has {:#010x})",
+                format::APPLICATION_ID
+            )));
+        }
+        let version = self.setting("user_version").map_err(|err| self.fault(err))?;
+        if version > format::FORMAT_VERSION {
+            return Err(Error::NewerVersion {
+                path: self.path.clone(),
+                version,
+                supported: format::FORMAT_VERSION,
+            });
+        }
+        if version < 1 {
+            return Err(Error::damaged(&self.path, format!("format version {version} never existed")));
+        }
+        self.set_config(DbConfig::SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, false)?;
+        Ok(())
+    }
+
+    fn configure(&self) -> Result<()> {
+        self.set_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
+        self.set_config(DbConfig::SQLITE_DBCONFIG_ENABLE_TRIGGER, false)?;
+        self.set_config(DbConfig::SQLITE_DBCONFIG_ENABLE_VIEW, false)?;
+        // SQLite opens a file that it may not write for reading, without a word.
+        if self.conn.is_readonly("main").map_err(|err| self.fault(err))? {
+            let detail = "the file is read-only".to_owned();
+            return Err(Error::ReadOnly { path: self.path.clone(), detail });
+        }
+        self.run(format::CONNECTION_SETTINGS)?;
+        let mode: String = self
+            .conn
+            .query_row("PRAGMA journal_mode = WAL", [], |row| row.get(0))
+            .map_err(|err| self.fault(err))?;
+        if mode != "wal" {
+            let detail = format!("its file system does not allow a write-ahead log (journal mode {mode})");
+            return Err(Error::Io { path: self.path.clone(), detail });
+        }
+        Ok(())
+    }
+
+    /// Where the file is, absolute: SQLite gives relative names such as `:memory:` or `file:` a meaning of their own.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What an error of SQLite means here.
+    pub(crate) fn fault(&self, err: rusqlite::Error) -> Error {
+        Error::from_sqlite(&self.path, err)
+    }
+
+    /// Starts a transaction that may write, waiting for another writer up to [`format::BUSY_TIMEOUT`].
+    pub(crate) fn begin(&self) -> Result<()> {
+        self.run("BEGIN IMMEDIATE")
+    }
+
+    /// Makes the transaction durable: when this returns, its pages are on disk.
+    pub(crate) fn commit(&self) -> Result<()> {
+        self.run("COMMIT")
+    }
+
+    /// Ends a transaction without a trace. SQLite has ended it already after some errors; an error of its own leaves
+    /// nothing to do, since what is not committed is never read.
+    pub(crate) fn rollback(&self) {
+        if !self.conn.is_autocommit() {
+            self.run("ROLLBACK").ok();
+        }
+    }
+
+    /// Runs `work` in a transaction of its own: all of it becomes durable, or nothing.
+    pub(crate) fn in_transaction<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        self.begin()?;
+        let result = work().and_then(|value| self.commit().map(|()| value));
+        if result.is_err() {
+            self.rollback();
+        }
+        result
+    }
+
+    /// Runs `work` over one unchanging state of the file.
+    pub(crate) fn in_snapshot<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        self.run("BEGIN DEFERRED")?;
+        let result = work();
+        self.rollback();
+        result
+    }
+
+    /// Moves the log into the file itself.
+    pub(crate) fn checkpoint(&self) -> Result<()> {
+        self.conn.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(())).map_err(|err| self.fault(err))
+    }
+
+    /// Checkpoints and closes; SQLite removes the log when no other connection is left.
+    pub(crate) fn close(self) -> Result<()> {
+        let checkpointed = self.checkpoint();
+        let Self { conn, path } = self;
+        let closed = conn.close().map_err(|(_, err)| Error::from_sqlite(&path, err));
+        checkpointed.and(closed)
+    }
+
+    /// Bytes of the file and of its log.
+    pub(crate) fn file_size_in_bytes(&self) -> Result<u64> {
+        let size = |path: &Path| match std::fs::metadata(path) {
+            Ok(metadata) => Ok(metadata.len()),
+            Err(err) if err.kind() == std::io::ErrorKind::NotFound => Ok(0),
+            Err(err) => Err(Error::from_io(path, &err)),
+        };
+        Ok(size(&self.path)? + size(&companion(&self.path, "-wal"))?)
+    }
+
+    fn run(&self, sql: &str) -> Result<()> {
+        self.conn.execute_batch(sql).map_err(|err| self.fault(err))
+    }
+
+    fn set_config(&self, config: DbConfig, value: bool) -> Result<()> {
+        self.conn.set_db_config(config, value).map(|_| ()).map_err(|err| self.fault(err))
+    }
+
+    fn setting(&self, name: &str) -> rusqlite::Result<i32> {
+        self.conn.query_row(&format!("PRAGMA {name}"), [], |row| row.get(0))
+    }
+}
+
+fn absolute(path: &Path) -> Result<PathBuf> {
+    if path.as_os_str().is_empty() {
+        return Err(Error::EmptyPath);
+    }
+    std::path::absolute(path).map_err(|err| Error::from_io(path, &err))
+}
+
+fn companion(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    PathBuf::from(name)
+}

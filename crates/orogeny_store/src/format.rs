@@ -1,0 +1,130 @@
+//! Everything that is fixed on disk: magic, version, table and column names, connection settings.
+//!
+//! A terrain is one SQLite database, so that any tool can open it. A checksum covers
+//! every row together with its place: the first 16 bytes of blake3 over the table's name and the row's columns.
+//!
+//! | table | one row is |
+//! | --- | --- |
+//! | `document` | the terrain: grid, page size, the entry that the history stands at, the last ids given out |
+//! | `field` | a sampled plane and the value of its absent pages |
+//! | `layer` | a layer of the stack as it is now, as JSON |
+//! | `page` | the directory: which pages exist, which entry wrote each, its checksum and where its bytes are |
+//! | `page_data` | the compressed bytes of a page |
+//! | `entry` | an operation of the history; a tree, `next` is the child that redo goes to |
+//! | `delta` | what an entry did to a page: after minus before |
+//! | `layer_change` | what an entry did to a layer: its JSON before and after, NULL where it did not exist |
+//!
+//! Entry 0 is the terrain as it was made: it holds the first layers and cannot be undone. A page's `revision` is the
+//! entry whose state it holds, so a page that a lost write left behind does not fit its place in the history.
+
+/// `OROG`: bytes 68..72 of the file.
+pub const APPLICATION_ID: i32 = 0x4f52_4f47;
+
+/// The schema below, bytes 60..64 of the file. Files of a newer one are refused.
+pub const FORMAT_VERSION: i32 = 1;
+
+/// How terrain files are called: `NAME.orogeny`.
+pub const FILE_EXTENSION: &str = "orogeny";
+
+/// Files that belong to an open terrain, by what is added to its name: the log of SQLite, its index, and the journal
+/// that stands in for them while a terrain is made.
+pub(crate) const COMPANION_SUFFIXES: [&str; 3] = ["-wal", "-shm", "-journal"];
+
+/// How long to wait for another process that writes.
+pub(crate) const BUSY_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(5);
+
+/// Settings that must come before the first table. Pages of the database, not of the terrain: compressed terrain pages
+/// are 10 to 60 kB, for which SQLite's own measurements favour 8 or 16 KiB.
+pub(crate) const NEW_FILE_SETTINGS: &str = "PRAGMA page_size = 8192;";
+
+/// Settings of every connection. `fullfsync` matters on macOS only, where a plain fsync does not reach the disk.
+pub(crate) const CONNECTION_SETTINGS: &str = "
+    PRAGMA foreign_keys = ON;
+    PRAGMA synchronous = FULL;
+    PRAGMA fullfsync = ON;
+    PRAGMA checkpoint_fullfsync = ON;
+    PRAGMA trusted_schema = OFF;
+    PRAGMA cell_size_check = ON;
+    PRAGMA cache_size = -16384;
+    PRAGMA journal_size_limit = 67108864;
+";
+
+/// The tables of version 1.
+pub(crate) const SCHEMA: &str = "
+    CREATE TABLE document (
+        id         INTEGER PRIMARY KEY CHECK (id = 1),
+        width      INTEGER NOT NULL,
+        depth      INTEGER NOT NULL,
+        spacing_m  REAL NOT NULL,
+        page_size  INTEGER NOT NULL,
+        head       INTEGER NOT NULL REFERENCES entry (id) DEFERRABLE INITIALLY DEFERRED,
+        last_entry INTEGER NOT NULL,
+        last_layer INTEGER NOT NULL,
+        last_field INTEGER NOT NULL,
+        checksum   BLOB NOT NULL
+    ) STRICT;
+
+    CREATE TABLE field (
+        id       INTEGER PRIMARY KEY,
+        constant REAL NOT NULL,
+        checksum BLOB NOT NULL
+    ) STRICT;
+
+    CREATE TABLE layer (
+        id       INTEGER PRIMARY KEY,
+        state    TEXT NOT NULL,
+        checksum BLOB NOT NULL
+    ) STRICT;
+
+    CREATE TABLE page (
+        field    INTEGER NOT NULL REFERENCES field (id),
+        level    INTEGER NOT NULL,
+        z        INTEGER NOT NULL,
+        x        INTEGER NOT NULL,
+        revision INTEGER NOT NULL,
+        codec    INTEGER NOT NULL,
+        data     INTEGER NOT NULL,
+        checksum BLOB NOT NULL,
+        PRIMARY KEY (field, level, z, x)
+    ) STRICT, WITHOUT ROWID;
+
+    CREATE TABLE page_data (
+        id    INTEGER PRIMARY KEY,
+        bytes BLOB NOT NULL
+    ) STRICT;
+
+    CREATE TABLE entry (
+        id           INTEGER PRIMARY KEY,
+        parent       INTEGER REFERENCES entry (id),
+        next         INTEGER REFERENCES entry (id) DEFERRABLE INITIALLY DEFERRED,
+        operation    TEXT NOT NULL,
+        author       TEXT NOT NULL,
+        time_unix_ms INTEGER NOT NULL,
+        num_pages    INTEGER NOT NULL,
+        delta_bytes  INTEGER NOT NULL,
+        checksum     BLOB NOT NULL
+    ) STRICT;
+
+    CREATE TABLE delta (
+        id              INTEGER PRIMARY KEY,
+        entry           INTEGER NOT NULL REFERENCES entry (id) DEFERRABLE INITIALLY DEFERRED,
+        field           INTEGER NOT NULL REFERENCES field (id),
+        level           INTEGER NOT NULL,
+        z               INTEGER NOT NULL,
+        x               INTEGER NOT NULL,
+        revision_before INTEGER,
+        codec           INTEGER NOT NULL,
+        checksum        BLOB NOT NULL,
+        bytes           BLOB NOT NULL,
+        UNIQUE (entry, field, level, z, x)
+    ) STRICT;
+
+    CREATE TABLE layer_change (
+        entry    INTEGER NOT NULL REFERENCES entry (id) DEFERRABLE INITIALLY DEFERRED,
+        layer    INTEGER NOT NULL,
+        before   TEXT,
+        after    TEXT,
+        checksum BLOB NOT NULL,
+        PRIMARY KEY (entry, layer)
+    ) STRICT, WITHOUT ROWID;
+";

@@ -1,0 +1,311 @@
+//! Pages and the deltas of the history: coded bytes with their place.
+
+use orogeny_field::{FieldId, PageKey, PageLayout};
+use rusqlite::{OptionalExtension as _, Row, params};
+
+use crate::checksum::{self, Checksum};
+use crate::database::Database;
+use crate::{EntryId, Error, Result, codec};
+
+/// A page as it lies in the file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct PageRow {
+    pub(crate) key: PageKey,
+    /// The entry whose state it holds.
+    pub(crate) revision: EntryId,
+    pub(crate) codec: u8,
+    pub(crate) bytes: Vec<u8>,
+}
+
+/// What an entry did to a page, as it lies in the file: after minus before.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct DeltaRow {
+    pub(crate) key: PageKey,
+    /// The page's revision before the entry; `None` where it was absent.
+    pub(crate) revision_before: Option<EntryId>,
+    pub(crate) codec: u8,
+    pub(crate) bytes: Vec<u8>,
+}
+
+fn key_from_row(row: &Row<'_>, first_column: usize) -> rusqlite::Result<PageKey> {
+    Ok(PageKey {
+        field: FieldId(row.get(first_column)?),
+        level: row.get(first_column + 1)?,
+        z: row.get(first_column + 2)?,
+        x: row.get(first_column + 3)?,
+    })
+}
+
+/// The longest blob that is read: longer is damage.
+fn max_blob_bytes(layout: PageLayout) -> i64 {
+    i64::try_from(codec::max_size_in_bytes(layout.num_samples())).unwrap_or(i64::MAX)
+}
+
+impl Database {
+    /// A page, its checksum verified; `None` where the terrain has no such page.
+    pub(crate) fn page(&self, layout: PageLayout, key: &PageKey) -> Result<Option<PageRow>> {
+        type Columns = (u32, u8, Checksum, Option<i64>, Option<Vec<u8>>);
+        let columns: Option<Columns> = self
+            .conn
+            .prepare_cached(
+                "SELECT page.revision, page.codec, page.checksum, length(page_data.bytes),
+                        CASE WHEN length(page_data.bytes) <= ?5 THEN page_data.bytes END
+                 FROM page LEFT JOIN page_data ON page_data.id = page.data
+                 WHERE page.field = ?1 AND page.level = ?2 AND page.z = ?3 AND page.x = ?4",
+            )
+            .and_then(|mut statement| {
+                statement
+                    .query_row(params![key.field.0, key.level, key.z, key.x, max_blob_bytes(layout)], |row| {
+                        Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?, row.get(4)?))
+                    })
+                    .optional()
+            })
+            .map_err(|err| match self.fault(err) {
+                Error::Damaged { detail, .. } => Error::damaged_page(*key, detail),
+                err => err,
+            })?;
+        let Some((revision, codec, checksum, length, bytes)) = columns else { return Ok(None) };
+        let Some(bytes) = bytes else {
+            let detail = length.map_or_else(
+                || "its bytes are missing".to_owned(),
+                |length| format!("it has {length} bytes, more than any page can have"),
+            );
+            return Err(Error::damaged_page(*key, detail));
+        };
+        let revision = EntryId(revision);
+        if checksum::of_page(key, revision, codec, &bytes) != checksum {
+            return Err(Error::damaged_page(*key, "it fails its checksum"));
+        }
+        Ok(Some(PageRow { key: *key, revision, codec, bytes }))
+    }
+
+    /// The entry whose state a page holds, without reading the page.
+    pub(crate) fn page_revision(&self, key: &PageKey) -> Result<Option<EntryId>> {
+        self.conn
+            .prepare_cached("SELECT revision FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
+            .and_then(|mut statement| {
+                statement
+                    .query_row(params![key.field.0, key.level, key.z, key.x], |row| row.get(0))
+                    .optional()
+            })
+            .map(|revision| revision.map(EntryId))
+            .map_err(|err| self.fault(err))
+    }
+
+    /// The pages of a field at all levels, in the order of their keys.
+    pub(crate) fn page_keys(&self, field: FieldId) -> Result<Vec<PageKey>> {
+        self.conn
+            .prepare_cached("SELECT field, level, z, x FROM page WHERE field = ?1 ORDER BY level, z, x")
+            .and_then(|mut statement| statement.query_map([field.0], |row| key_from_row(row, 0))?.collect())
+            .map_err(|err| self.fault(err))
+    }
+
+    /// Up to `limit` pages of all fields that come after `last`.
+    pub(crate) fn page_keys_after(&self, last: Option<PageKey>, limit: u32) -> Result<Vec<PageKey>> {
+        let (field, level, z, x) =
+            last.map_or((-1, -1, -1, -1), |k| (k.field.0.into(), k.level.into(), k.z.into(), k.x.into()));
+        self.conn
+            .prepare_cached(
+                "SELECT field, level, z, x FROM page WHERE (field, level, z, x) > (?1, ?2, ?3, ?4)
+                 ORDER BY field, level, z, x LIMIT ?5",
+            )
+            .and_then(|mut statement| {
+                let columns: [i64; 5] = [field, level, z, x, limit.into()];
+                statement.query_map(columns, |row| key_from_row(row, 0))?.collect()
+            })
+            .map_err(|err| self.fault(err))
+    }
+
+    /// Writes a page, new or not.
+    pub(crate) fn write_page(&self, page: &PageRow) -> Result<()> {
+        let PageRow { key, revision, codec, bytes } = page;
+        let checksum = checksum::of_page(key, *revision, *codec, bytes);
+        self.write_page_row(key, *revision, *codec, bytes, &checksum).map_err(|err| self.fault(err))
+    }
+
+    fn write_page_row(
+        &self,
+        key: &PageKey,
+        revision: EntryId,
+        codec: u8,
+        bytes: &[u8],
+        checksum: &Checksum,
+    ) -> rusqlite::Result<()> {
+        let old_data: Option<i64> = self
+            .conn
+            .prepare_cached("SELECT data FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")?
+            .query_row(params![key.field.0, key.level, key.z, key.x], |row| row.get(0))
+            .optional()?;
+        let data = if let Some(data) = old_data {
+            self.conn
+                .prepare_cached("UPDATE page_data SET bytes = ?2 WHERE id = ?1")?
+                .execute(params![data, bytes])?;
+            data
+        } else {
+            self.conn.prepare_cached("INSERT INTO page_data (bytes) VALUES (?1)")?.execute([bytes])?;
+            self.conn.last_insert_rowid()
+        };
+        self.conn
+            .prepare_cached(
+                "INSERT INTO page (field, level, z, x, revision, codec, data, checksum)
+                 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)
+                 ON CONFLICT DO UPDATE SET revision = excluded.revision, codec = excluded.codec,
+                                           data = excluded.data, checksum = excluded.checksum",
+            )?
+            .execute(params![key.field.0, key.level, key.z, key.x, revision.0, codec, data, checksum])?;
+        Ok(())
+    }
+
+    /// Removes a page: the field holds its constant there.
+    pub(crate) fn delete_page(&self, key: &PageKey) -> Result<()> {
+        let place = params![key.field.0, key.level, key.z, key.x];
+        self.conn
+            .prepare_cached(
+                "DELETE FROM page_data WHERE id =
+                 (SELECT data FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4)",
+            )
+            .and_then(|mut statement| statement.execute(place))
+            .and_then(|_| {
+                self.conn
+                    .prepare_cached("DELETE FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
+            })
+            .and_then(|mut statement| statement.execute(place))
+            .map_err(|err| self.fault(err))?;
+        Ok(())
+    }
+
+    /// Writes what `entry` did to a page, in place of what was there from the same entry.
+    pub(crate) fn write_delta(&self, entry: EntryId, delta: &DeltaRow) -> Result<()> {
+        let DeltaRow { key, revision_before, codec, bytes } = delta;
+        self.conn
+            .prepare_cached(
+                "INSERT INTO delta (entry, field, level, z, x, revision_before, codec, checksum, bytes)
+                 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)
+                 ON CONFLICT (entry, field, level, z, x) DO UPDATE
+                 SET revision_before = excluded.revision_before, codec = excluded.codec,
+                     checksum = excluded.checksum, bytes = excluded.bytes",
+            )
+            .and_then(|mut statement| {
+                statement.execute(params![
+                    entry.0,
+                    key.field.0,
+                    key.level,
+                    key.z,
+                    key.x,
+                    revision_before.map(|revision| revision.0),
+                    codec,
+                    checksum::of_delta(entry, key, *revision_before, *codec, bytes),
+                    bytes,
+                ])
+            })
+            .map_err(|err| self.fault(err))?;
+        Ok(())
+    }
+
+    pub(crate) fn delete_delta(&self, entry: EntryId, key: &PageKey) -> Result<()> {
+        self.conn
+            .prepare_cached(
+                "DELETE FROM delta WHERE entry = ?1 AND field = ?2 AND level = ?3 AND z = ?4 AND x = ?5",
+            )
+            .and_then(|mut statement| {
+                statement.execute(params![entry.0, key.field.0, key.level, key.z, key.x])
+            })
+            .map_err(|err| self.fault(err))?;
+        Ok(())
+    }
+
+    /// What `entry` did to a page, its checksum verified.
+    pub(crate) fn delta(&self, layout: PageLayout, entry: EntryId, key: &PageKey) -> Result<DeltaRow> {
+        type Columns = (Option<u32>, u8, Checksum, i64, Option<Vec<u8>>);
+        let damaged = |detail: String| Error::DamagedHistory { entry, page: Some(*key), detail };
+        let columns: Option<Columns> = self
+            .conn
+            .prepare_cached(
+                "SELECT revision_before, codec, checksum, length(bytes), CASE WHEN length(bytes) <= ?6 THEN bytes END
+                 FROM delta WHERE entry = ?1 AND field = ?2 AND level = ?3 AND z = ?4 AND x = ?5",
+            )
+            .and_then(|mut statement| {
+                statement
+                    .query_row(
+                        params![entry.0, key.field.0, key.level, key.z, key.x, max_blob_bytes(layout)],
+                        |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?, row.get(4)?)),
+                    )
+                    .optional()
+            })
+            .map_err(|err| match self.fault(err) {
+                Error::Damaged { detail, .. } => damaged(detail),
+                err => err,
+            })?;
+        let (revision_before, codec, checksum, length, bytes) =
+            columns.ok_or_else(|| damaged("its delta is missing".to_owned()))?;
+        let bytes = bytes
+            .ok_or_else(|| damaged(format!("its delta has {length} bytes, more than any page can have")))?;
+        let revision_before = revision_before.map(EntryId);
+        if checksum::of_delta(entry, key, revision_before, codec, &bytes) != checksum {
+            return Err(damaged("its delta fails its checksum".to_owned()));
+        }
+        Ok(DeltaRow { key: *key, revision_before, codec, bytes })
+    }
+
+    /// The pages that `entry` changed, in the order of their keys.
+    pub(crate) fn delta_keys(&self, entry: EntryId) -> Result<Vec<PageKey>> {
+        self.conn
+            .prepare_cached(
+                "SELECT field, level, z, x FROM delta WHERE entry = ?1 ORDER BY field, level, z, x",
+            )
+            .and_then(|mut statement| statement.query_map([entry.0], |row| key_from_row(row, 0))?.collect())
+            .map_err(|err| self.fault(err))
+    }
+
+    /// How many pages `entry` changed, and the bytes of its deltas.
+    pub(crate) fn delta_totals(&self, entry: EntryId) -> Result<(u32, u64)> {
+        self.conn
+            .prepare_cached("SELECT count(*), coalesce(sum(length(bytes)), 0) FROM delta WHERE entry = ?1")
+            .and_then(|mut statement| {
+                statement.query_row([entry.0], |row| Ok((row.get(0)?, row.get::<_, i64>(1)?.cast_unsigned())))
+            })
+            .map_err(|err| self.fault(err))
+    }
+
+    /// Pages whose revision is not the last applied entry that changed them, by comparison of the directory with the
+    /// history; `true` marks those that the directory has.
+    pub(crate) fn pages_that_contradict_the_history(&self) -> Result<Vec<(PageKey, bool)>> {
+        const LAST_CHANGES: &str = "SELECT field, level, z, x, max(entry) FROM delta
+                                    WHERE entry IN applied GROUP BY field, level, z, x";
+        const DIRECTORY: &str = "SELECT field, level, z, x, revision FROM page";
+        let mut found = Vec::new();
+        for (left, right, is_in_directory) in
+            [(DIRECTORY, LAST_CHANGES, true), (LAST_CHANGES, DIRECTORY, false)]
+        {
+            let sql = format!(
+                "WITH RECURSIVE applied (id) AS (
+                     SELECT head FROM document
+                     UNION SELECT parent FROM entry JOIN applied USING (id) WHERE parent IS NOT NULL
+                 )
+                 {left} EXCEPT {right} LIMIT 1000"
+            );
+            let keys: Vec<PageKey> = self
+                .conn
+                .prepare(&sql)
+                .and_then(|mut statement| statement.query_map([], |row| key_from_row(row, 0))?.collect())
+                .map_err(|err| self.fault(err))?;
+            found.extend(keys.into_iter().map(|key| (key, is_in_directory)));
+        }
+        Ok(found)
+    }
+
+    /// What SQLite's own check of the file finds, at most a hundred lines.
+    pub(crate) fn structural_problems(&self) -> Result<Vec<String>> {
+        let lines = |sql: &str| -> rusqlite::Result<Vec<String>> {
+            self.conn.prepare(sql)?.query_map([], |row| row.get(0))?.collect()
+        };
+        let mut problems = lines("PRAGMA integrity_check(100)").map_err(|err| self.fault(err))?;
+        problems.retain(|line| line != "ok");
+        let broken_links = lines(
+            "SELECT 'a row of ' || \"table\" || ' names a row of ' || parent || ' that does not exist'
+             FROM pragma_foreign_key_check LIMIT 100",
+        );
+        problems.extend(broken_links.map_err(|err| self.fault(err))?);
+        Ok(problems)
+    }
+}

@@ -1,0 +1,11 @@
+//! The store as its users see it: opening, operations, history, damage, and a model that it is compared with.
+//! What needs a process of its own (kills, locks, permissions, full disks) is in the workspace's `tests/storage`.
+
+#![cfg(test)]
+
+mod damage;
+mod history;
+mod model;
+mod opening;
+mod operations;
+mod support;
