@@ -1,0 +1,210 @@
+//! Running operations: all of a list in one transaction, or none.
+
+use std::collections::BTreeSet;
+use std::time::Instant;
+
+use orogeny_brush::{Executor, FillPlan, Notices, StrokePlanner};
+use orogeny_field::{BrushType, FieldId, PageKey, PageLayout, Stroke, TerrainGrid};
+use orogeny_store::{EntryId, Transaction};
+
+use crate::pages::TransactionPages;
+use crate::progress::report;
+use crate::terrain::find_layer;
+use crate::{Error, Observer, Operation, Result, Terrain};
+
+/// Instances of a stroke that are planned and run at once.
+const BATCH_INSTANCES: usize = 1024;
+/// Pages of a fill that are run at once.
+const BATCH_PAGES: usize = 64;
+
+/// What an operation did.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Applied {
+    /// Its place in the history.
+    pub entry: EntryId,
+    /// Its `op`.
+    pub operation: &'static str,
+    /// What it was done with.
+    pub brush: BrushType,
+    /// Pages that it wrote.
+    pub num_pages: usize,
+    /// How long it took, in seconds, without making it durable, which is done once for all.
+    pub elapsed_s: f64,
+    /// What it met on its way.
+    pub notices: Notices,
+}
+
+/// What running operations needs to know.
+struct Site<'a> {
+    grid: TerrainGrid,
+    layout: PageLayout,
+    author: &'a str,
+}
+
+impl Terrain {
+    /// Runs operations in order, each as one entry of the history. When this returns they are on disk.
+    ///
+    /// Should the GPU device be lost on the way, the list is run again, once, on a new one.
+    ///
+    /// # Errors
+    /// [`Error::InRecipe`] with the operation that failed, or [`Error::Cancelled`]; none of them was done then.
+    pub fn apply(&mut self, operations: &[Operation], observer: &mut dyn Observer) -> Result<Vec<Applied>> {
+        match self.run(operations, observer, After::Commit) {
+            Err(err) if err.is_device_lost() => {
+                tracing::warn!("{err}; it is done again on a new device");
+                self.drop_executor();
+                self.run(operations, observer, After::Commit)
+            }
+            result => result,
+        }
+    }
+
+    /// Runs operations and takes them back: whether they would work, and what they would do.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn try_out(&mut self, operations: &[Operation], observer: &mut dyn Observer) -> Result<Vec<Applied>> {
+        self.run(operations, observer, After::TakeBack)
+    }
+
+    fn run(
+        &mut self,
+        operations: &[Operation],
+        observer: &mut dyn Observer,
+        after: After,
+    ) -> Result<Vec<Applied>> {
+        if operations.is_empty() {
+            return Ok(Vec::new());
+        }
+        let author = self.settings().author.clone();
+        let (store, executor) = self.store_and_executor()?;
+        let site = Site { grid: store.grid(), layout: store.layout(), author: &author };
+        let mut transaction = store.begin()?;
+        let mut written = BTreeSet::new();
+        let applied = apply_all(operations, &site, &mut transaction, executor, &mut written, observer);
+        let result = match (applied, after) {
+            (Ok(applied), After::Commit) => {
+                transaction.commit_recorded().map(|()| applied).map_err(Error::from)
+            }
+            (applied, _) => {
+                drop(transaction);
+                applied
+            }
+        };
+        if result.is_err() || after == After::TakeBack {
+            executor.cancel();
+            executor.forget(&written.into_iter().collect::<Vec<_>>());
+        }
+        result
+    }
+}
+
+/// What becomes of operations that have run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum After {
+    Commit,
+    TakeBack,
+}
+
+/// Runs operations one after another; notes in `written` every page that any of them wrote.
+fn apply_all(
+    operations: &[Operation],
+    site: &Site<'_>,
+    transaction: &mut Transaction<'_>,
+    executor: &mut dyn Executor,
+    written: &mut BTreeSet<PageKey>,
+    observer: &mut dyn Observer,
+) -> Result<Vec<Applied>> {
+    let mut applied = Vec::with_capacity(operations.len());
+    for (index, operation) in operations.iter().enumerate() {
+        let one = apply_one(operation, site, transaction, executor, written, observer);
+        applied.push(one.map_err(|err| match err {
+            Error::Cancelled => Error::Cancelled,
+            source => Error::InRecipe {
+                number: index + 1,
+                count: operations.len(),
+                name: operation.name(),
+                source: Box::new(source),
+            },
+        })?);
+    }
+    Ok(applied)
+}
+
+fn apply_one(
+    operation: &Operation,
+    site: &Site<'_>,
+    transaction: &mut Transaction<'_>,
+    executor: &mut dyn Executor,
+    written: &mut BTreeSet<PageKey>,
+    observer: &mut dyn Observer,
+) -> Result<Applied> {
+    let start = Instant::now();
+    let layer = find_layer(transaction.layers(), operation.layer())?.clone();
+    let mut pages = TransactionPages::new(transaction, site.layout);
+    let result = match operation {
+        Operation::Stroke { stroke, .. } => {
+            run_stroke(stroke, site, layer.heights, executor, &mut pages, observer)
+        }
+        Operation::Fill { brush, seed, region_m, .. } => {
+            let region = match region_m {
+                Some(region_m) => site.grid.samples_in_region(*region_m)?,
+                None => site.grid.bounds(),
+            };
+            FillPlan::new(brush, *seed, &site.grid, site.layout, layer.heights, region)
+                .map_err(Error::from)
+                .and_then(|plan| run_fill(plan, executor, &mut pages, observer))
+        }
+    };
+    let result = result.and_then(|()| Ok(executor.finish(&mut pages)?));
+    let saved = pages.into_saved();
+    let num_pages = saved.len();
+    written.extend(saved);
+    let notices = result?;
+    let entry = transaction.record(&operation.to_recorded_json(layer.id)?, site.author)?;
+    Ok(Applied {
+        entry,
+        operation: operation.name(),
+        brush: operation.brush().brush_type,
+        num_pages,
+        elapsed_s: start.elapsed().as_secs_f64(),
+        notices,
+    })
+}
+
+fn run_stroke(
+    stroke: &Stroke,
+    site: &Site<'_>,
+    field: FieldId,
+    executor: &mut dyn Executor,
+    pages: &mut TransactionPages<'_, '_>,
+    observer: &mut dyn Observer,
+) -> Result<()> {
+    stroke.check(&site.grid)?;
+    let mut planner = StrokePlanner::new(stroke.brush.clone(), stroke.seed, site.grid, site.layout, field);
+    for point in &stroke.points {
+        planner.push(point)?;
+    }
+    planner.finish();
+    let mut num_instances = 0;
+    while let Some(batch) = planner.next_batch(pages, BATCH_INSTANCES)? {
+        executor.run(&batch, pages)?;
+        num_instances += batch.instances.len() as u64;
+        report(observer, "painting", num_instances, 0)?;
+    }
+    Ok(())
+}
+
+fn run_fill(
+    mut plan: FillPlan,
+    executor: &mut dyn Executor,
+    pages: &mut TransactionPages<'_, '_>,
+    observer: &mut dyn Observer,
+) -> Result<()> {
+    let total = plan.num_pages_left() as u64;
+    while let Some(batch) = plan.next_batch(BATCH_PAGES) {
+        executor.run(&batch, pages)?;
+        report(observer, "filling", total - plan.num_pages_left() as u64, total)?;
+    }
+    Ok(())
+}

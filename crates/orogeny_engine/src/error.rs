@@ -1,0 +1,110 @@
+//! Why something could not be done with a terrain.
+
+use std::path::PathBuf;
+
+/// The result of working with a terrain.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// What went wrong. Unless a variant says otherwise, the terrain is as it was.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A value that cannot be used.
+    #[error(transparent)]
+    Field(#[from] orogeny_field::Error),
+    /// A brush could not be applied.
+    #[error(transparent)]
+    Brush(#[from] orogeny_brush::Error),
+    /// The terrain file could not be read or changed.
+    #[error(transparent)]
+    Store(#[from] orogeny_store::Error),
+    /// A file of another program could not be read or written.
+    #[error(transparent)]
+    Format(#[from] orogeny_formats::Error),
+    /// The GPU could not be used.
+    #[error(transparent)]
+    Gpu(#[from] orogeny_gpu::Error),
+    /// A recipe or operation that cannot be understood. Mend what is named.
+    #[error("{place} cannot be understood: {detail}")]
+    Operation {
+        /// Which one.
+        place: String,
+        /// What is wrong with it.
+        detail: String,
+    },
+    /// An operation of a recipe failed; none of the recipe was done.
+    #[error("operation {number} of {count} ({name}) failed, none was done: {source}")]
+    InRecipe {
+        /// Which one, from 1.
+        number: usize,
+        /// How many there are.
+        count: usize,
+        /// Its `op`.
+        name: &'static str,
+        /// Why.
+        source: Box<Error>,
+    },
+    /// There is no such layer.
+    #[error("there is no layer {layer}; the terrain has {known}")]
+    UnknownLayer {
+        /// What was asked for.
+        layer: String,
+        /// The ones there are.
+        known: String,
+    },
+    /// A region, picture or raster that does not touch the terrain.
+    #[error("{what} lies outside the terrain, which covers {width_m} x {depth_m} m")]
+    OutsideTerrain {
+        /// What.
+        what: String,
+        /// The terrain's extent along x, metres.
+        width_m: f64,
+        /// The terrain's extent along z, metres.
+        depth_m: f64,
+    },
+    /// A raster whose samples lie at another distance than the terrain's.
+    #[error(
+        "`{}` has a sample every {raster_m} m, the terrain every {terrain_m} m; to take its samples one for one, give \
+         the spacing {terrain_m}", path.display()
+    )]
+    SpacingDiffers {
+        /// The raster.
+        path: PathBuf,
+        /// Its spacing in metres.
+        raster_m: f64,
+        /// The terrain's spacing in metres.
+        terrain_m: f64,
+    },
+    /// A picture of no pixels, or of too many.
+    #[error("a picture of {width} x {height} pixels cannot be made: each side takes 1 to {limit}")]
+    PictureSize {
+        /// Pixels along x.
+        width: u32,
+        /// Pixels along z.
+        height: u32,
+        /// The longest side.
+        limit: u32,
+    },
+    /// A picture could not be written.
+    #[error("`{}` could not be written: {source}", path.display())]
+    Write {
+        /// Where to.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The user cancelled.
+    #[error("cancelled; nothing was changed")]
+    Cancelled,
+}
+
+impl Error {
+    pub(crate) fn is_device_lost(&self) -> bool {
+        match self {
+            Self::Brush(err) => err.is_device_lost(),
+            Self::Gpu(orogeny_gpu::Error::DeviceLost { .. }) => true,
+            Self::InRecipe { source, .. } => source.is_device_lost(),
+            _ => false,
+        }
+    }
+}

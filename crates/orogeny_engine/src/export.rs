@@ -1,0 +1,88 @@
+//! From a terrain to a file of another program.
+
+use std::path::PathBuf;
+
+use orogeny_field::SampleRect;
+use orogeny_formats::ExportOptions;
+
+use crate::composite::Source;
+use crate::progress::report;
+use crate::{Error, LayerReference, Observer, Result, Terrain};
+
+/// What to export, and where to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExportRequest {
+    /// The file; its ending tells the format.
+    pub file: PathBuf,
+    /// How to write it. The spacing is the terrain's where none is given.
+    pub options: ExportOptions,
+    /// One layer alone; `None`: the composite.
+    pub layer: Option<LayerReference>,
+    /// `[x, z, width, depth]` in metres, far edges outside; `None`: the whole terrain.
+    pub region_m: Option<[f64; 4]>,
+}
+
+/// What an export wrote.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ExportSummary {
+    /// The file.
+    pub file: PathBuf,
+    /// Samples along x.
+    pub width: u32,
+    /// Samples along z.
+    pub depth: u32,
+    /// What was rounded or left out, for people.
+    pub notices: Vec<String>,
+}
+
+impl ExportRequest {
+    /// The whole composite to a file.
+    #[must_use]
+    pub fn new(file: impl Into<PathBuf>) -> Self {
+        Self { file: file.into(), options: ExportOptions::default(), layer: None, region_m: None }
+    }
+}
+
+impl Terrain {
+    /// Writes heights to a file, which appears whole or not at all.
+    ///
+    /// # Errors
+    /// [`Error::Format`] when the heights do not fit the format or the file cannot be written; [`Error::OutsideTerrain`];
+    /// [`Error::UnknownLayer`]; [`Error::Store`].
+    pub fn export(&self, request: &ExportRequest, observer: &mut dyn Observer) -> Result<ExportSummary> {
+        let rect = self.region(request.region_m)?;
+        let source = match &request.layer {
+            Some(reference) => Source::Layer(self.layer(Some(reference))?.id),
+            None => Source::Composite,
+        };
+        let mut options = request.options.clone();
+        options.spacing_m.get_or_insert(self.grid().spacing_m());
+        let (width, depth) = (rect.width(), rect.depth());
+        let mut file = orogeny_formats::create(&request.file, &options, width, depth)?;
+        let mut composite = self.composite(source, rect);
+        let mut row = vec![0.0; width as usize];
+        let mut num_rows = 0;
+        while composite.read_rows(&mut row)? > 0 {
+            file.write_rows(&row)?;
+            num_rows += 1;
+            report(observer, "exporting", num_rows, u64::from(depth))?;
+        }
+        let notices = file.finish()?.notices;
+        Ok(ExportSummary { file: request.file.clone(), width, depth, notices })
+    }
+
+    /// The samples of a region, which touches the terrain; all of them for none.
+    pub(crate) fn region(&self, region_m: Option<[f64; 4]>) -> Result<SampleRect> {
+        let grid = self.grid();
+        let Some(region_m) = region_m else { return Ok(grid.bounds()) };
+        let rect = grid.samples_in_region(region_m)?;
+        if !rect.is_empty() {
+            return Ok(rect);
+        }
+        Err(Error::OutsideTerrain {
+            what: format!("the region {region_m:?}"),
+            width_m: f64::from(grid.width()) * grid.spacing_m(),
+            depth_m: f64::from(grid.depth()) * grid.spacing_m(),
+        })
+    }
+}

@@ -1,0 +1,51 @@
+//! The terrain as a document: open it, run operations on it, undo them, read it, export it, draw a map of it.
+//!
+//! This is what the fronts (command line, and later the editor and the service) talk to; they see no other crate. A
+//! [`Terrain`] is one file. An [`Operation`] is one JSON object, the same in a recipe, in the history and in a replay. An
+//! operation is done when its transaction is on disk, not before; until then an error, a cancel or a crash leaves the terrain
+//! as it was.
+//!
+//! ```
+//! use orogeny_engine::{Adapter, Operation, Quiet, Settings, Terrain, TerrainGrid};
+//!
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("hill.orogeny");
+//! let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
+//! let mut terrain = Terrain::create(&path, TerrainGrid::new(512, 512, 2.0)?, 100.0, settings)?;
+//! let hill = Operation::from_json_text(
+//!     r#"{"op": "stroke", "brush": {"type": "raise", "radius": 200, "strength": 80}, "points": [[512, 512]]}"#,
+//! )?;
+//! terrain.apply(&[hill], &mut Quiet)?;
+//! assert_eq!(terrain.height_m([512.0, 512.0])?, 180.0);
+//! terrain.undo(1)?;
+//! assert_eq!(terrain.height_m([512.0, 512.0])?, 100.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod apply;
+mod backend;
+mod brushes;
+mod composite;
+mod error;
+mod export;
+mod import;
+mod map;
+mod operation;
+mod pages;
+mod progress;
+mod terrain;
+
+pub use apply::Applied;
+pub use backend::{Adapter, Settings, backend_description};
+pub use brushes::{BrushDescription, ProfileRipple, brush_descriptions, brush_schema};
+pub use error::{Error, Result};
+pub use export::{ExportRequest, ExportSummary};
+pub use import::{ImportRequest, ImportSummary};
+pub use map::{MapRequest, MapSummary};
+pub use operation::{LayerReference, Operation, Recipe};
+pub use orogeny_field::{BrushType, Parameter, ParameterKind, SampleRect, TerrainGrid};
+pub use orogeny_formats::{ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType};
+pub use orogeny_gpu::{AdapterDescription, list_adapters};
+pub use orogeny_store::{Change, Entry, EntryId, EntryState, HistorySummary, Layer};
+pub use progress::{Observer, Progress, Quiet};
+pub use terrain::{Description, HeightStatistics, LayerDescription, Terrain};

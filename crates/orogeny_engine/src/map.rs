@@ -1,0 +1,256 @@
+//! A shaded map from above: hillshade with a tint by height.
+
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::composite::Source;
+use crate::progress::report;
+use crate::{Error, Observer, Result, Terrain};
+
+/// The longest side of a picture, in pixels.
+const MAX_SIDE_PX: u32 = 16_384;
+
+/// Light from the north-west, the convention of maps, and weaker light from both sides of it, so that no slope is black:
+/// azimuth in degrees from north, clockwise; share of the light.
+const LIGHTS: [(f32, f32); 3] = [(315.0, 0.6), (270.0, 0.2), (0.0, 0.2)];
+/// Height of the lights above the horizon, in degrees.
+const LIGHT_ALTITUDE_DEGREES: f32 = 45.0;
+/// What a slope that no light reaches keeps of its colour, and what light adds.
+const AMBIENT: f32 = 0.32;
+const DIRECT: f32 = 0.95;
+
+/// Colours (sRGB) from the lowest to the highest ground.
+const TINTS: [(f32, [f32; 3]); 6] = [
+    (0.0, [86.0, 124.0, 84.0]),
+    (0.25, [146.0, 164.0, 104.0]),
+    (0.45, [208.0, 192.0, 138.0]),
+    (0.65, [176.0, 138.0, 100.0]),
+    (0.85, [150.0, 134.0, 126.0]),
+    (1.0, [246.0, 246.0, 246.0]),
+];
+
+/// What to draw, and where to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapRequest {
+    /// The PNG.
+    pub file: PathBuf,
+    /// `[x, z, width, depth]` in metres; `None`: the whole terrain.
+    pub region_m: Option<[f64; 4]>,
+    /// The picture is made to fit into this, in pixels. One pixel stands for a whole number of samples each way.
+    pub size_px: [u32; 2],
+    /// Heights of the first and last tint, in metres; `None`: the lowest and highest drawn.
+    pub range_m: Option<[f32; 2]>,
+}
+
+/// What was drawn.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct MapSummary {
+    /// The PNG.
+    pub file: PathBuf,
+    /// Pixels along x.
+    pub width_px: u32,
+    /// Pixels along z.
+    pub height_px: u32,
+    /// Samples, each way, that a pixel stands for.
+    pub samples_per_px: u32,
+    /// Heights of the first and last tint, in metres.
+    pub range_m: [f32; 2],
+}
+
+impl MapRequest {
+    /// The whole terrain within 1024 x 1024 pixels.
+    #[must_use]
+    pub fn new(file: impl Into<PathBuf>) -> Self {
+        Self { file: file.into(), region_m: None, size_px: [1024, 1024], range_m: None }
+    }
+}
+
+/// Mean heights, one a pixel.
+struct Picture {
+    width: usize,
+    heights: Vec<f32>,
+    /// Metres between pixels.
+    spacing_m: f32,
+}
+
+impl Terrain {
+    /// Draws the composite from above.
+    ///
+    /// # Errors
+    /// [`Error::PictureSize`], [`Error::OutsideTerrain`], [`Error::Store`], [`Error::Write`].
+    pub fn draw_map(&self, request: &MapRequest, observer: &mut dyn Observer) -> Result<MapSummary> {
+        let [width, height] = request.size_px;
+        if !(1..=MAX_SIDE_PX).contains(&width) || !(1..=MAX_SIDE_PX).contains(&height) {
+            return Err(Error::PictureSize { width, height, limit: MAX_SIDE_PX });
+        }
+        let rect = self.region(request.region_m)?;
+        let samples_per_px = rect.width().div_ceil(width).max(rect.depth().div_ceil(height));
+        let picture = self.mean_heights(rect, samples_per_px, observer)?;
+        let range_m = request.range_m.unwrap_or_else(|| picture.range_m());
+        let pixels = picture.shaded(range_m);
+        let (width_px, height_px) =
+            (rect.width().div_ceil(samples_per_px), rect.depth().div_ceil(samples_per_px));
+        write_png(&request.file, width_px, height_px, &pixels)?;
+        Ok(MapSummary { file: request.file.clone(), width_px, height_px, samples_per_px, range_m })
+    }
+
+    fn mean_heights(
+        &self,
+        rect: orogeny_field::SampleRect,
+        samples_per_px: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Picture> {
+        let side = samples_per_px as usize;
+        let width = rect.width().div_ceil(samples_per_px) as usize;
+        let mut composite = self.composite(Source::Composite, rect);
+        let mut row = vec![0.0; rect.width() as usize];
+        let mut heights = Vec::with_capacity(width * rect.depth().div_ceil(samples_per_px) as usize);
+        let mut sums = vec![0.0_f64; width];
+        for z in 0..rect.depth() {
+            composite.read_rows(&mut row)?;
+            for (sum, block) in sums.iter_mut().zip(row.chunks(side)) {
+                *sum += block.iter().copied().map(f64::from).sum::<f64>() / block.len() as f64;
+            }
+            let rows_in_block = z % samples_per_px + 1;
+            if rows_in_block == samples_per_px || z + 1 == rect.depth() {
+                heights.extend(sums.iter().map(|sum| (sum / f64::from(rows_in_block)) as f32));
+                sums.fill(0.0);
+            }
+            report(observer, "drawing", u64::from(z) + 1, u64::from(rect.depth()))?;
+        }
+        let spacing_m = (self.grid().spacing_m() * f64::from(samples_per_px)) as f32;
+        Ok(Picture { width, heights, spacing_m })
+    }
+}
+
+impl Picture {
+    fn range_m(&self) -> [f32; 2] {
+        let lowest = self.heights.iter().copied().fold(f32::INFINITY, f32::min);
+        [lowest, self.heights.iter().copied().fold(f32::NEG_INFINITY, f32::max)]
+    }
+
+    /// The height of a pixel, or of the nearest where there is none.
+    fn at(&self, x: isize, z: isize) -> f32 {
+        let last_row = (self.heights.len() / self.width).cast_signed() - 1;
+        let x = x.clamp(0, self.width.cast_signed() - 1).unsigned_abs();
+        let z = z.clamp(0, last_row).unsigned_abs();
+        self.heights.get(z * self.width + x).copied().unwrap_or_default()
+    }
+
+    /// The upward normal by Horn's weighted differences (Horn 1981).
+    fn normal(&self, x: isize, z: isize) -> [f32; 3] {
+        let column = |x: isize| self.at(x, z - 1) + 2.0 * self.at(x, z) + self.at(x, z + 1);
+        let row = |z: isize| self.at(x - 1, z) + 2.0 * self.at(x, z) + self.at(x + 1, z);
+        let slope_x = (column(x + 1) - column(x - 1)) / (8.0 * self.spacing_m);
+        let slope_z = (row(z + 1) - row(z - 1)) / (8.0 * self.spacing_m);
+        let length = (slope_x * slope_x + slope_z * slope_z + 1.0).sqrt();
+        [-slope_x / length, 1.0 / length, -slope_z / length]
+    }
+
+    /// RGB bytes, row by row.
+    fn shaded(&self, [low_m, high_m]: [f32; 2]) -> Vec<u8> {
+        let lights = LIGHTS.map(|(azimuth, share)| {
+            let (azimuth, altitude) = (azimuth.to_radians(), LIGHT_ALTITUDE_DEGREES.to_radians());
+            // North is -z.
+            let to_light = [azimuth.sin() * altitude.cos(), altitude.sin(), -azimuth.cos() * altitude.cos()];
+            (to_light, share)
+        });
+        let span_m = (high_m - low_m).max(f32::MIN_POSITIVE);
+        let num_rows = self.heights.len() / self.width;
+        let mut pixels = Vec::with_capacity(self.heights.len() * 3);
+        for z in 0..num_rows.cast_signed() {
+            for x in 0..self.width.cast_signed() {
+                let normal = self.normal(x, z);
+                let light: f32 = lights
+                    .iter()
+                    .map(|(to_light, share)| {
+                        let cosine: f32 = normal.iter().zip(to_light).map(|(n, l)| n * l).sum();
+                        share * cosine.max(0.0)
+                    })
+                    .sum();
+                let tint = tint(((self.at(x, z) - low_m) / span_m).clamp(0.0, 1.0));
+                pixels.extend(
+                    tint.map(|channel| (channel * (AMBIENT + DIRECT * light)).clamp(0.0, 255.0) as u8),
+                );
+            }
+        }
+        pixels
+    }
+}
+
+fn tint(t: f32) -> [f32; 3] {
+    let mut colour = [0.0; 3];
+    for pair in TINTS.windows(2) {
+        if let [(start, from), (end, to)] = pair
+            && t >= *start
+        {
+            let share = ((t - start) / (end - start)).min(1.0);
+            for (channel, (from, to)) in colour.iter_mut().zip(from.iter().zip(to)) {
+                *channel = from + share * (to - from);
+            }
+        }
+    }
+    colour
+}
+
+/// Writes an RGB picture, which appears whole or not at all.
+fn write_png(path: &Path, width: u32, height: u32, pixels: &[u8]) -> Result<()> {
+    let failed = |source: std::io::Error| Error::Write { path: path.to_owned(), source };
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut temporary = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    {
+        let mut encoder = png::Encoder::new(BufWriter::new(temporary.as_file_mut()), width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::High);
+        let encode = || -> Result<(), png::EncodingError> {
+            let mut writer = encoder.write_header()?;
+            writer.write_image_data(pixels)?;
+            writer.finish()
+        };
+        encode().map_err(|err| failed(std::io::Error::other(err)))?;
+    }
+    temporary.as_file_mut().flush().map_err(failed)?;
+    temporary.persist(path).map_err(|err| failed(err.error))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(width: usize, depth: usize, height: impl Fn(f32, f32) -> f32) -> Picture {
+        let heights = (0..width * depth).map(|k| height((k % width) as f32, (k / width) as f32)).collect();
+        Picture { width, heights, spacing_m: 1.0 }
+    }
+
+    #[test]
+    fn the_normal_of_a_plane_is_exact() {
+        let picture = plane(5, 5, |x, z| 0.75 * x - 0.5 * z);
+        let length = (0.75_f32 * 0.75 + 0.5 * 0.5 + 1.0).sqrt();
+        for (found, expected) in picture.normal(2, 2).iter().zip([-0.75 / length, 1.0 / length, 0.5 / length])
+        {
+            assert!((found - expected).abs() < 1.0e-6);
+        }
+    }
+
+    #[test]
+    fn slopes_to_the_north_west_are_the_brightest() {
+        let brightness = |slope_x: f32, slope_z: f32| {
+            let picture = plane(3, 3, |x, z| slope_x * x + slope_z * z);
+            picture.shaded([-1.0e6, 1.0e6]).get(12).copied().unwrap()
+        };
+        let (towards, flat, away) = (brightness(0.5, 0.5), brightness(0.0, 0.0), brightness(-0.5, -0.5));
+        assert!(towards > flat && flat > away, "{towards} {flat} {away}");
+    }
+
+    #[test]
+    fn tints_run_from_the_first_to_the_last() {
+        assert_eq!(tint(0.0), TINTS[0].1);
+        assert_eq!(tint(1.0), TINTS[5].1);
+        assert_eq!(tint(0.45), TINTS[2].1);
+    }
+}
