@@ -1,0 +1,63 @@
+//! Benchmarks: each figure in one run beside the limit that it can be compared with.
+//!
+//! `cargo xtask bench [WHAT…] [--repeat N] [--keep NAME]`. Measurements of one figure and of its limit are interleaved, and
+//! medians are given with the spread, since a busy machine slows both. `--keep` writes the run to `runs/NAME.json`; every run is
+//! compared with the last kept one, by name.
+
+#![expect(clippy::print_stdout, reason = "printing figures is what this program is for")]
+
+mod limit;
+mod measure;
+mod raise;
+mod report;
+
+use anyhow::{Context as _, bail};
+
+use crate::report::Report;
+
+/// What can be measured.
+const WHAT: [&str; 1] = ["raise"];
+
+struct Arguments {
+    what: Vec<String>,
+    repeat: usize,
+    keep: Option<String>,
+}
+
+fn main() -> anyhow::Result<()> {
+    let arguments = arguments()?;
+    let mut report = Report::new();
+    for what in &arguments.what {
+        match what.as_str() {
+            "raise" => raise::run(&mut report, arguments.repeat)?,
+            other => bail!("there is no benchmark `{other}`; there are {}", WHAT.join(", ")),
+        }
+    }
+    report.print();
+    report.compare_with_last_kept()?;
+    if let Some(name) = arguments.keep {
+        let path = report.keep(&name)?;
+        println!("kept as {}", path.display());
+    }
+    Ok(())
+}
+
+fn arguments() -> anyhow::Result<Arguments> {
+    use lexopt::prelude::*;
+    let mut arguments = Arguments { what: Vec::new(), repeat: 11, keep: None };
+    let mut parser = lexopt::Parser::from_env();
+    while let Some(argument) = parser.next()? {
+        match argument {
+            Value(what) => arguments.what.push(what.string()?),
+            Long("repeat") => {
+                arguments.repeat = parser.value()?.parse().context("--repeat takes a number")?
+            }
+            Long("keep") => arguments.keep = Some(parser.value()?.string()?),
+            other => return Err(other.unexpected().into()),
+        }
+    }
+    if arguments.what.is_empty() {
+        arguments.what.extend(WHAT.map(str::to_owned));
+    }
+    Ok(arguments)
+}

@@ -1,0 +1,63 @@
+//! `setup`: installs what the other commands need and a fresh machine lacks.
+//!
+//! What only one operating system has sits in its own module ([`linux`]); elsewhere nothing is installed, since the
+//! system brings its graphics driver along.
+
+mod components;
+#[cfg(target_os = "linux")]
+mod linux;
+
+use std::process::ExitCode;
+
+pub use components::component;
+
+/// How badly a command needs a Vulkan driver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Need {
+    /// Without one, the command cannot do its work: one is installed, or the command fails.
+    Required,
+    /// The command works without one, on the CPU: it is only told.
+    Optional,
+}
+
+/// Installs everything that is missing.
+///
+/// # Errors
+///
+/// Something cannot be installed; the message holds the line that does it.
+pub fn run() -> anyhow::Result<ExitCode> {
+    graphics(Need::Required)?;
+    for name in ["rustfmt", "clippy"] {
+        component(name)?;
+    }
+    println!("everything is set up");
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Sees to a graphics driver that needs no GPU, as far as it is needed.
+///
+/// # Errors
+///
+/// The driver is required, missing, and cannot be installed.
+#[cfg(target_os = "linux")]
+pub fn graphics(need: Need) -> anyhow::Result<()> {
+    linux::graphics(need)
+}
+
+/// Says which adapter will be used; there is nothing to install.
+///
+/// # Errors
+///
+/// None: the signature is the same on every system.
+#[cfg(not(target_os = "linux"))]
+pub fn graphics(_need: Need) -> anyhow::Result<()> {
+    let adapter = if cfg!(target_os = "macos") {
+        "the Metal adapter of this Mac"
+    } else if cfg!(target_os = "windows") {
+        "a Direct3D 12 adapter (WARP, the software one, where there is no GPU)"
+    } else {
+        "whichever adapter the system offers"
+    };
+    println!("graphics: nothing to install; GPU work uses {adapter}");
+    Ok(())
+}
