@@ -1,7 +1,7 @@
 // Runs a local brush over tiles of pages, in place: each invocation owns every 16th sample of a tile, both ways, and takes
 // the tile's instances in stroke order. A kernel includes this file and defines
 //     fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32
-// Twin: orogeny_brush::cpu.
+// Twin: orogeny_brush::executor_cpu.
 #include "lib/falloff.wgsl"
 #include "lib/height.wgsl"
 
@@ -68,7 +68,8 @@ fn amount_of(instance: Instance, sample: vec2<i32>) -> f32 {
 }
 
 fn stored_height(height: f32) -> f32 {
-    if abs(height) > MAX_HEIGHT_M {
+    // Stops well before it would wrap.
+    if !is_storable_height(height) && atomicLoad(&counters.num_clamped) < 0xf0000000u {
         atomicAdd(&counters.num_clamped, 1u);
     }
     return sanitized_height(height);

@@ -8,8 +8,15 @@ fn lerp(a: f32, b: f32, w: f32) -> f32 {
     return a + w * (b - a);
 }
 
-// Clamped to what a terrain holds; denormals become +0.
+// Whether a height is finite and within what a terrain holds. By its bits: no comparison is sure to see a NaN.
+fn is_storable_height(height_m: f32) -> bool {
+    return (bitcast<u32>(height_m) & 0x7fffffffu) <= bitcast<u32>(MAX_HEIGHT_M);
+}
+
+// Clamped to what a terrain holds; denormals become +0, and so does NaN, which only a damaged page could have brought in.
 fn sanitized_height(height_m: f32) -> f32 {
+    let magnitude = bitcast<u32>(height_m) & 0x7fffffffu;
+    let is_nan = magnitude > 0x7f800000u;
     let clamped = clamp(height_m, -MAX_HEIGHT_M, MAX_HEIGHT_M);
-    return select(clamped, 0.0, abs(clamped) < SMALLEST_NORMAL);
+    return select(clamped, 0.0, is_nan || magnitude < bitcast<u32>(SMALLEST_NORMAL));
 }

@@ -24,7 +24,9 @@ pub enum Error {
         spacing_m: f64,
     },
     /// More pages than one operation may change. Use a smaller radius or region.
-    #[error("it would change {num_pages} pages of the terrain at once, the limit is {limit}; use a smaller radius or region")]
+    #[error(
+        "it would change {num_pages} pages of the terrain at once, the limit is {limit}; use a smaller radius or region"
+    )]
     TooManyPages {
         /// Pages that it would change.
         num_pages: u64,
@@ -34,6 +36,14 @@ pub enum Error {
     /// The GPU failed.
     #[error(transparent)]
     Gpu(#[from] orogeny_gpu::Error),
+    /// A wash could not put weights aside in the folder for temporary files. Free space there, or raise the page budget.
+    #[error(
+        "the temporary file of a stroke could not be used: {source}; free space, or raise the page budget"
+    )]
+    Spill {
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// The worker threads could not be started.
     #[error("the worker threads could not be started: {reason}")]
     Threads {
@@ -51,13 +61,18 @@ pub enum Error {
 }
 
 impl Error {
+    /// The GPU's error, if it is one: the executor is of no use then.
+    #[must_use]
+    pub const fn gpu(&self) -> Option<&orogeny_gpu::Error> {
+        match self {
+            Self::Gpu(err) | Self::Pages(orogeny_pages::Error::Gpu(err)) => Some(err),
+            _ => None,
+        }
+    }
+
     /// Whether the GPU device is gone, so that the same work can be done again on a new one.
     #[must_use]
     pub const fn is_device_lost(&self) -> bool {
-        matches!(
-            self,
-            Self::Gpu(orogeny_gpu::Error::DeviceLost { .. })
-                | Self::Pages(orogeny_pages::Error::Gpu(orogeny_gpu::Error::DeviceLost { .. }))
-        )
+        matches!(self.gpu(), Some(orogeny_gpu::Error::DeviceLost { .. }))
     }
 }

@@ -36,8 +36,8 @@ pub trait Executor: Send {
     /// As [`run`](Self::run); nothing of the operation counts as done then.
     fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices>;
 
-    /// Drops the operation: no page that it changed stays resident. Also after [`finish`](Self::finish), when what was
-    /// saved could not be made durable, until the next operation's first batch.
+    /// Drops the operation, and with it everything that is resident: after a failure, or when what was saved could not be
+    /// made durable.
     fn cancel(&mut self);
 
     /// Forgets pages that were changed elsewhere.

@@ -3,7 +3,7 @@
 //! A page is one task: its instances act on it in stroke order, row by row, so neither the number of threads nor the order
 //! of the tasks can change a bit.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 use lru::LruCache;
 use orogeny_field::{Instance, Page, PageKey, PageLayout, SampleRect, WeightMode};
@@ -14,10 +14,14 @@ use rayon::prelude::*;
 use crate::execute::{Executor, Notices};
 use crate::kernels::{RowStart, apply_row};
 use crate::plan::{Batch, PageWork};
+use crate::spill::Spill;
 use crate::{Error, Result};
 
 /// Samples of a row that are worked at once: their amounts stay in the first-level cache.
 const ROW_CHUNK: usize = 256;
+
+/// Pages that are copied and saved at once at the end: bounds the copies to 16 MiB.
+const SAVE_PAGES: usize = 64;
 
 /// Applies batches on the CPU.
 pub struct CpuExecutor {
@@ -26,11 +30,10 @@ pub struct CpuExecutor {
     max_pages: usize,
     resident: LruCache<PageKey, WorkingPage>,
     dirty: BTreeSet<PageKey>,
-    /// Pages that the running operation has changed, or the last one if none runs.
+    /// Pages that the running operation has changed: their heights are no longer those from before it.
     changed: BTreeSet<PageKey>,
-    is_finished: bool,
     /// Weights of a wash whose page had to make room.
-    spilled_weights: HashMap<PageKey, Page>,
+    spilled_weights: Spill,
     notices: Notices,
 }
 
@@ -70,22 +73,30 @@ impl CpuExecutor {
             resident: LruCache::unbounded(),
             dirty: BTreeSet::new(),
             changed: BTreeSet::new(),
-            is_finished: true,
-            spilled_weights: HashMap::new(),
+            spilled_weights: Spill::new(layout),
             notices: Notices::default(),
         })
     }
 
-    /// Takes a page out of the resident ones, or loads it.
-    fn take(&mut self, key: &PageKey, mode: WeightMode, store: &mut dyn PageStore) -> Result<WorkingPage> {
-        let mut page = match self.resident.pop(key) {
+    /// A page ready to be worked on: as it was resident, or loaded.
+    fn ready(
+        &mut self,
+        key: &PageKey,
+        here: Option<WorkingPage>,
+        mode: WeightMode,
+        store: &mut dyn PageStore,
+    ) -> Result<WorkingPage> {
+        let mut page = match here {
             Some(page) => page,
             None => WorkingPage { heights: self.load(key, store, |store, key| store.load(key))?, wash: None },
         };
         if mode == WeightMode::Wash && page.wash.is_none() {
-            let before = self.load(key, store, |store, key| store.load_before(key))?;
-            let weights =
-                self.spilled_weights.remove(key).unwrap_or_else(|| Page::constant(self.layout, 0.0));
+            let before = if self.changed.contains(key) {
+                self.load(key, store, |store, key| store.load_before(key))?
+            } else {
+                page.heights.clone()
+            };
+            let weights = self.spilled_weights.take(key)?.unwrap_or_else(|| Page::constant(self.layout, 0.0));
             page.wash = Some(Wash { before, weights });
         }
         Ok(page)
@@ -108,22 +119,32 @@ impl CpuExecutor {
         if actual == expected { Ok(()) } else { Err(Error::PageSize { expected, actual }) }
     }
 
-    /// Saves and drops the least recently used pages until the budget is kept.
-    fn make_room(&mut self, store: &mut dyn PageStore) -> Result<()> {
+    /// Saves and drops the least recently used pages until `num_pages` more fit into the budget.
+    fn make_room(&mut self, num_pages: usize, store: &mut dyn PageStore) -> Result<()> {
         let mut changed = Vec::new();
-        while self.resident.len() > self.max_pages {
+        while self.resident.len() + num_pages > self.max_pages {
             let Some((key, page)) = self.resident.pop_lru() else { break };
+            if let Some(wash) = page.wash {
+                self.spilled_weights.put(key, &wash.weights)?;
+            }
             if self.dirty.remove(&key) {
                 changed.push((key, page.heights));
-            }
-            if let Some(wash) = page.wash {
-                self.spilled_weights.insert(key, wash.weights);
             }
         }
         if changed.is_empty() {
             return Ok(());
         }
         store.save(changed).map_err(|err| orogeny_pages::Error::Source(err).into())
+    }
+
+    /// The operation is over.
+    fn end(&mut self) {
+        self.dirty.clear();
+        self.changed.clear();
+        self.spilled_weights.clear();
+        for (_, page) in &mut self.resident {
+            page.wash = None;
+        }
     }
 }
 
@@ -134,13 +155,13 @@ impl Executor for CpuExecutor {
 
     fn run(&mut self, batch: &Batch, store: &mut dyn PageStore) -> Result<()> {
         self.check_size(store.layout().size())?;
-        if std::mem::take(&mut self.is_finished) {
-            self.changed.clear();
-        }
         for works in batch.pages.chunks(self.max_pages) {
+            // Those that are here are taken out first, so that none of them makes room for another.
+            let here: Vec<_> = works.iter().map(|work| self.resident.pop(&work.key)).collect();
+            self.make_room(works.len(), store)?;
             let mut tasks = Vec::with_capacity(works.len());
-            for work in works {
-                tasks.push((work, self.take(&work.key, batch.pass.weight_mode, store)?));
+            for (work, here) in works.iter().zip(here) {
+                tasks.push((work, self.ready(&work.key, here, batch.pass.weight_mode, store)?));
             }
             let layout = self.layout;
             let num_clamped: u64 = self
@@ -152,35 +173,23 @@ impl Executor for CpuExecutor {
                 self.changed.insert(work.key);
                 self.resident.put(work.key, page);
             }
-            self.make_room(store)?;
         }
         Ok(())
     }
 
     fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices> {
-        let changed: Vec<_> = std::mem::take(&mut self.dirty)
-            .into_iter()
-            .filter_map(|key| Some((key, self.resident.peek(&key)?.heights.clone())))
-            .collect();
-        store.save(changed).map_err(orogeny_pages::Error::Source)?;
-        for (_, page) in &mut self.resident {
-            page.wash = None;
+        let dirty: Vec<_> = std::mem::take(&mut self.dirty).into_iter().collect();
+        for keys in dirty.chunks(SAVE_PAGES) {
+            let copy = |key: &PageKey| Some((*key, self.resident.peek(key)?.heights.clone()));
+            store.save(keys.iter().filter_map(copy).collect()).map_err(orogeny_pages::Error::Source)?;
         }
-        self.spilled_weights.clear();
-        self.is_finished = true;
+        self.end();
         Ok(std::mem::take(&mut self.notices))
     }
 
     fn cancel(&mut self) {
-        self.dirty.clear();
-        for key in std::mem::take(&mut self.changed) {
-            self.resident.pop(&key);
-        }
-        self.is_finished = true;
-        for (_, page) in &mut self.resident {
-            page.wash = None;
-        }
-        self.spilled_weights.clear();
+        self.resident.clear();
+        self.end();
         self.notices = Notices::default();
     }
 

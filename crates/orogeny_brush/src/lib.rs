@@ -19,6 +19,7 @@ mod plan;
 mod planner;
 mod sampler;
 mod spacing;
+mod spill;
 mod tiles;
 
 pub use curve::CurveSegment;

@@ -76,6 +76,17 @@ impl Batch {
     }
 }
 
+impl Batch {
+    /// The same work in pieces of at most `max_pages` pages each, which may be run one after another.
+    pub fn split(mut self, max_pages: usize) -> impl Iterator<Item = Self> {
+        let mut rest = std::mem::take(&mut self.pages).into_iter();
+        std::iter::from_fn(move || {
+            let pages: Vec<_> = rest.by_ref().take(max_pages.max(1)).collect();
+            (!pages.is_empty()).then(|| Self { pages, ..self.clone() })
+        })
+    }
+}
+
 /// Whether any sample of a rectangle may lie within an instance's radius. Errs on the side of yes.
 #[must_use]
 pub(crate) fn reaches(instance: &Instance, rect: &SampleRect) -> bool {

@@ -20,6 +20,9 @@ const MAX_PAGES: u64 = 1 << 20;
 /// Pages after which a batch takes no further instance, each counted for each instance: bounds the plan's memory.
 const BATCH_PAGES: u64 = 1 << 16;
 
+/// Places after which a batch ends, on the terrain or not: bounds the time between two looks at whether to go on.
+const BATCH_PLACES: u32 = 1 << 16;
+
 /// A stroke on its way: takes pointer samples, gives batches.
 #[derive(Debug)]
 pub struct StrokePlanner {
@@ -39,14 +42,23 @@ pub struct StrokePlanner {
 
 impl StrokePlanner {
     /// A stroke with no points yet, on one field of a terrain. `seed` feeds everything random in it.
-    #[must_use]
-    pub fn new(brush: Brush, seed: u32, grid: TerrainGrid, layout: PageLayout, field: FieldId) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Field`] for a brush with a number that it cannot use.
+    pub fn new(
+        brush: Brush,
+        seed: u32,
+        grid: TerrainGrid,
+        layout: PageLayout,
+        field: FieldId,
+    ) -> Result<Self> {
+        brush.check()?;
         let radius = brush.radius_m / grid.spacing_m();
         let spacing = Spacing::new(&brush.profile(), radius, brush.spacing);
         let sampler = StrokeSampler::new(spacing.distance, spacing.distance * grid.spacing_m());
         let probe = HeightProbe::new(grid, field);
         let target_height_m = brush.height_m;
-        Self {
+        Ok(Self {
             brush,
             grid,
             layout,
@@ -59,19 +71,20 @@ impl StrokePlanner {
             first_position: None,
             target_height_m,
             num_points: 0,
-        }
+        })
     }
 
     /// The next pointer sample.
     ///
     /// # Errors
-    /// [`orogeny_field::Error::Point`] for one that cannot be used; the stroke goes on without it.
+    /// [`orogeny_field::Error::Point`] for one that cannot be used, [`Error::TooManyInstances`] for one that makes the
+    /// stroke too long; the stroke goes on without it.
     pub fn push(&mut self, sample: &PointerSample) -> Result<()> {
         sample.check(&self.grid, self.num_points)?;
-        self.num_points += 1;
         let position = self.grid.sample_from_world(sample.position_m);
+        self.sampler.push(position, f64::from(sample.pressure))?;
         self.first_position.get_or_insert(position);
-        self.sampler.push(position, f64::from(sample.pressure));
+        self.num_points += 1;
         Ok(())
     }
 
@@ -80,16 +93,18 @@ impl StrokePlanner {
         self.sampler.finish();
     }
 
-    /// The next batch of at most `max_instances` settled instances; `None` when none is settled.
+    /// The next batch of at most `max_instances` settled instances; `None` when none is settled. A batch may be empty, where
+    /// a stroke runs outside the terrain for long.
     ///
     /// # Errors
     /// [`Error::TooManyInstances`]; [`Error::TooManyPages`] for an absurd radius; [`Error::Pages`] when a height under the stroke cannot be read.
     pub fn next_batch(&mut self, store: &mut dyn PageStore, max_instances: usize) -> Result<Option<Batch>> {
         let mut instances = Vec::new();
         let mut bounds = Vec::new();
-        let mut num_pages = 0;
-        while instances.len() < max_instances && num_pages < BATCH_PAGES {
+        let (mut num_places, mut num_pages) = (0, 0);
+        while instances.len() < max_instances && num_pages < BATCH_PAGES && num_places < BATCH_PLACES {
             let Some(place) = self.sampler.next_place()? else { break };
+            num_places += 1;
             let radius = self.scaled_radius(&place);
             if radius < 0.5 {
                 continue;
@@ -102,7 +117,7 @@ impl StrokePlanner {
             instances.push(self.instance(store, &place, radius)?);
             bounds.push(bound);
         }
-        if instances.is_empty() {
+        if num_places == 0 {
             return Ok(None);
         }
         let pass = self.pass(store)?;
@@ -149,7 +164,7 @@ impl StrokePlanner {
         Ok(Instance {
             cell: cell.map(|cell| cell as i32),
             fraction: [(x - cell_x) as f32, (z - cell_z) as f32],
-            inverse_radius: (1.0 / radius) as f32,
+            inverse_radius: inverse_rounded_up(radius),
             amplitude: amplitude as f32,
             reference_height_m,
             inverse_radius_m: (1.0 / (radius * self.grid.spacing_m())) as f32,
@@ -177,6 +192,12 @@ impl StrokePlanner {
             seed: self.seed,
         })
     }
+}
+
+/// `1 / radius`, no smaller than it is, so that a sample at the radius has `r >= 1` and a weight of exactly 0.
+fn inverse_rounded_up(radius: f64) -> f32 {
+    let nearest = (1.0 / radius) as f32;
+    if f64::from(nearest) < 1.0 / radius { nearest.next_up() } else { nearest }
 }
 
 /// The samples strictly within `radius` samples of a centre, as a rectangle. Casts saturate, which clipping makes right.
@@ -208,6 +229,7 @@ impl FillPlan {
     /// Plans a fill of `region`, which is clipped to the terrain.
     ///
     /// # Errors
+    /// [`Error::Field`] for a brush with a number that it cannot use, and with
     /// [`orogeny_field::Error::MissingField`] for `level` and `ledge` without a height: there is no stroke to find it
     /// under; [`Error::TooManyPages`] for a region beyond what one operation may change.
     pub fn new(
@@ -218,6 +240,7 @@ impl FillPlan {
         field: FieldId,
         region: SampleRect,
     ) -> Result<Self> {
+        brush.check()?;
         let stage = Stage::of(brush.brush_type);
         let needs_height = stage.needs_reference_height() || stage.needs_target_height();
         if needs_height && brush.height_m.is_none() {
@@ -243,7 +266,8 @@ impl FillPlan {
             inverse_radius: 0.0,
             amplitude: (stage.sign(brush) * brush.strength) as f32,
             reference_height_m: height_m,
-            inverse_radius_m: (1.0 / brush.radius_m) as f32,
+            // Finite for the smallest radius too: 0 m above the reference times infinity would be no number.
+            inverse_radius_m: (1.0 / brush.radius_m).min(f64::from(f32::MAX)) as f32,
         };
         let region = region.intersection(&grid.bounds());
         checked_num_pages(layout, region)?;
@@ -270,5 +294,20 @@ impl FillPlan {
         }
         let instances = vec![self.instance; bounds.len()];
         Some(Batch::new(self.pass, self.layout, instances, bounds))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use orogeny_reference::falloff;
+
+    #[test]
+    fn a_sample_at_the_radius_has_no_weight() {
+        for radius in 1..=2000 {
+            let r = radius as f32 * inverse_rounded_up(f64::from(radius));
+            assert!(r >= 1.0, "{radius}");
+            assert_eq!(falloff::weight(r, &Falloff::HARD_EDGE), 0.0, "{radius}");
+        }
     }
 }

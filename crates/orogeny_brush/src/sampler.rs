@@ -21,20 +21,26 @@ pub struct PlacedSample {
     pub index: u32,
 }
 
-/// Turns pointer samples into places at equal arc length. A piece of the curve is settled when the point after its end is
-/// known, or the stroke ends; what is left of one piece carries into the next. So feeding a stroke whole or sample by sample
-/// gives the same places.
+/// Turns pointer samples into places at equal arc length. The first place is known with the second point; a piece of the curve
+/// is settled when the point after its end is known, or the stroke ends; what is left of one piece carries into the next. So
+/// feeding a stroke whole or sample by sample gives the same places.
 #[derive(Debug, Clone)]
 pub struct StrokeSampler {
     spacing: f64,
     spacing_m: f64,
+    /// The first point, until its place is given.
+    first: Option<Point>,
     /// The last points of the curve, distinct, oldest first: at most the three that the next piece needs before its end.
     recent: VecDeque<Point>,
-    settled: VecDeque<Settled>,
-    /// Distance from the start of the first settled piece to the next place.
+    settled: VecDeque<Piece>,
+    /// The oldest settled piece, measured, while places lie on it.
+    current: Option<(Piece, CurveSegment)>,
+    /// Distance from the start of the current piece to the next place.
     until_next: f64,
     num_placed: u32,
     num_points: u32,
+    /// Sum of the distances between successive points, which the curve is no shorter than.
+    least_length: f64,
     is_finished: bool,
 }
 
@@ -44,11 +50,13 @@ struct Point {
     pressure: f64,
 }
 
-#[derive(Debug, Clone)]
-struct Settled {
-    curve: CurveSegment,
-    start_pressure: f64,
-    end_pressure: f64,
+/// A settled piece, not measured yet: a long stroke that is fed whole has many.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    before: Option<[f64; 2]>,
+    start: Point,
+    end: Point,
+    after: Option<[f64; 2]>,
 }
 
 impl StrokeSampler {
@@ -58,23 +66,39 @@ impl StrokeSampler {
         Self {
             spacing,
             spacing_m,
+            first: None,
             recent: VecDeque::new(),
             settled: VecDeque::new(),
+            current: None,
             until_next: 0.0,
             num_placed: 0,
             num_points: 0,
+            least_length: 0.0,
             is_finished: false,
         }
     }
 
     /// The next pointer sample: its place in samples, and its pressure 0..1.
-    pub fn push(&mut self, position: [f64; 2], pressure: f64) {
+    ///
+    /// # Errors
+    /// [`Error::TooManyInstances`] when the stroke becomes too long; it goes on without the sample.
+    pub fn push(&mut self, position: [f64; 2], pressure: f64) -> Result<()> {
         let next = Point { position, pressure };
-        if let Some(last) = self.recent.back_mut()
-            && distance(last.position, position) < SAME_PLACE
-        {
-            last.pressure = pressure;
-            return;
+        if let Some(last) = self.recent.back_mut() {
+            let step = distance(last.position, position);
+            if step < SAME_PLACE {
+                last.pressure = pressure;
+                if self.num_points == 1 {
+                    self.first = Some(*last);
+                }
+                return Ok(());
+            }
+            if (self.least_length + step) / self.spacing > f64::from(MAX_INSTANCES) {
+                return Err(self.too_many());
+            }
+            self.least_length += step;
+        } else {
+            self.first = Some(next);
         }
         self.num_points += 1;
         self.settle(Some(position));
@@ -82,6 +106,7 @@ impl StrokeSampler {
         if self.recent.len() > 3 {
             self.recent.pop_front();
         }
+        Ok(())
     }
 
     /// No more samples come: the rest is settled.
@@ -97,9 +122,7 @@ impl StrokeSampler {
         let mut newest = self.recent.iter().rev();
         if let (Some(end), Some(start)) = (newest.next(), newest.next()) {
             let before = newest.next().map(|point| point.position);
-            let curve = CurveSegment::new(before, start.position, end.position, after);
-            let (start_pressure, end_pressure) = (start.pressure, end.pressure);
-            self.settled.push_back(Settled { curve, start_pressure, end_pressure });
+            self.settled.push_back(Piece { before, start: *start, end: *end, after });
         }
     }
 
@@ -114,37 +137,52 @@ impl StrokeSampler {
     /// # Errors
     /// [`Error::TooManyInstances`] for a stroke that would not end.
     pub fn next_place(&mut self) -> Result<Option<PlacedSample>> {
-        while let Some(piece) = self.settled.front() {
-            let length = piece.curve.length();
+        if let Some(first) = self.first.take_if(|_| self.num_points > 1 || self.is_finished) {
+            self.until_next = self.spacing;
+            return self.place(first.position, first.pressure).map(Some);
+        }
+        while let Some((piece, curve)) = self.take_current() {
+            let length = curve.length();
             // The end of the last piece belongs to the stroke; that of any other is the start of the next.
-            if self.until_next <= length && (self.until_next < length || self.is_last_piece()) {
-                let u = piece.curve.parameter_at(self.until_next);
-                let pressure = piece.start_pressure + u * (piece.end_pressure - piece.start_pressure);
-                let position = piece.curve.point(u);
+            if self.until_next < length || (self.until_next <= length && self.is_last_piece()) {
+                let u = curve.parameter_at(self.until_next);
+                let pressure = piece.start.pressure + u * (piece.end.pressure - piece.start.pressure);
+                let position = curve.point(u);
+                self.current = Some((piece, curve));
                 self.until_next += self.spacing;
                 return self.place(position, pressure).map(Some);
             }
             self.until_next -= length;
-            self.settled.pop_front();
-        }
-        if self.is_finished && self.num_points == 1 && self.num_placed == 0 {
-            let only = self.recent.back().copied();
-            return only.map(|point| self.place(point.position, point.pressure)).transpose();
         }
         Ok(None)
     }
 
+    /// The piece that places lie on, measured; the next settled one where the last is used up.
+    fn take_current(&mut self) -> Option<(Piece, CurveSegment)> {
+        self.current.take().or_else(|| {
+            let piece = self.settled.pop_front()?;
+            Some((
+                piece,
+                CurveSegment::new(piece.before, piece.start.position, piece.end.position, piece.after),
+            ))
+        })
+    }
+
     fn is_last_piece(&self) -> bool {
-        self.is_finished && self.settled.len() == 1
+        self.is_finished && self.settled.is_empty()
     }
 
     fn place(&mut self, position: [f64; 2], pressure: f64) -> Result<PlacedSample> {
         if self.num_placed >= MAX_INSTANCES {
-            return Err(Error::TooManyInstances { limit: MAX_INSTANCES, spacing_m: self.spacing_m });
+            return Err(self.too_many());
         }
         let index = self.num_placed;
         self.num_placed += 1;
         Ok(PlacedSample { position, pressure, index })
+    }
+
+    const fn too_many(&self) -> Error {
+        Error::TooManyInstances { limit: MAX_INSTANCES, spacing_m: self.spacing_m }
     }
 }
 
@@ -161,7 +199,7 @@ mod tests {
     fn a_straight_stroke_has_places_at_equal_distances_and_carries_the_rest() {
         let mut sampler = StrokeSampler::new(3.0, 3.0);
         for x in [0.0, 4.0, 5.0, 12.5] {
-            sampler.push([x, 7.0], 1.0);
+            sampler.push([x, 7.0], 1.0).unwrap();
         }
         sampler.finish();
         let found: Vec<_> = all_places(&mut sampler).iter().map(|place| place.position[0]).collect();
@@ -174,9 +212,9 @@ mod tests {
     #[test]
     fn a_stroke_that_never_moves_is_one_place_with_the_last_pressure() {
         let mut sampler = StrokeSampler::new(3.0, 3.0);
-        sampler.push([5.0, 5.0], 0.25);
+        sampler.push([5.0, 5.0], 0.25).unwrap();
         assert_eq!(sampler.next_place().unwrap(), None, "not settled before the end");
-        sampler.push([5.0005, 5.0], 0.75);
+        sampler.push([5.0005, 5.0], 0.75).unwrap();
         sampler.finish();
         assert!(!sampler.has_moved());
         let places = all_places(&mut sampler);
@@ -184,18 +222,23 @@ mod tests {
     }
 
     #[test]
-    fn a_stroke_that_would_not_end_is_refused() {
+    fn the_first_place_is_known_with_the_second_point() {
+        let mut sampler = StrokeSampler::new(3.0, 3.0);
+        sampler.push([5.0, 5.0], 0.25).unwrap();
+        sampler.push([9.0, 5.0], 1.0).unwrap();
+        let places = all_places(&mut sampler);
+        assert_eq!(places, [PlacedSample { position: [5.0, 5.0], pressure: 0.25, index: 0 }]);
+    }
+
+    #[test]
+    fn a_stroke_that_would_not_end_is_refused_before_anything_is_placed() {
         let mut sampler = StrokeSampler::new(0.5, 0.5);
-        sampler.push([0.0, 0.0], 1.0);
-        sampler.push([1.0e9, 0.0], 1.0);
+        sampler.push([0.0, 0.0], 1.0).unwrap();
+        let err = sampler.push([1.0e9, 0.0], 1.0).unwrap_err();
+        assert!(matches!(err, Error::TooManyInstances { limit: MAX_INSTANCES, .. }));
+        sampler.push([1.0, 0.0], 1.0).unwrap();
         sampler.finish();
-        let end = loop {
-            match sampler.next_place() {
-                Ok(place) => assert!(place.is_some()),
-                Err(err) => break err,
-            }
-        };
-        assert!(matches!(end, Error::TooManyInstances { limit: MAX_INSTANCES, .. }));
+        assert_eq!(all_places(&mut sampler).len(), 3);
     }
 
     proptest! {
@@ -209,12 +252,12 @@ mod tests {
             let mut live_places = Vec::new();
             for ((x, z), pressure, doubled) in points {
                 let x = if doubled { x.round() } else { x };
-                whole.push([x, z], pressure);
-                live.push([x, z], pressure);
+                whole.push([x, z], pressure).unwrap();
+                live.push([x, z], pressure).unwrap();
                 live_places.extend(all_places(&mut live));
                 if doubled {
-                    whole.push([x, z + 1.0e-4], pressure / 2.0);
-                    live.push([x, z + 1.0e-4], pressure / 2.0);
+                    whole.push([x, z + 1.0e-4], pressure / 2.0).unwrap();
+                    live.push([x, z + 1.0e-4], pressure / 2.0).unwrap();
                     live_places.extend(all_places(&mut live));
                 }
             }
@@ -230,7 +273,7 @@ mod tests {
         ) {
             let mut sampler = StrokeSampler::new(spacing, spacing);
             for (x, z) in points {
-                sampler.push([x, z], 1.0);
+                sampler.push([x, z], 1.0).unwrap();
             }
             sampler.finish();
             for pair in all_places(&mut sampler).windows(2) {

@@ -1,10 +1,9 @@
 //! Running operations: all of a list in one transaction, or none.
 
-use std::collections::BTreeSet;
 use std::time::Instant;
 
 use orogeny_brush::{Executor, FillPlan, Notices, StrokePlanner};
-use orogeny_field::{BrushType, FieldId, PageKey, PageLayout, Stroke, TerrainGrid};
+use orogeny_field::{BrushType, FieldId, PageLayout, Stroke, TerrainGrid};
 use orogeny_store::{EntryId, Transaction};
 
 use crate::pages::TransactionPages;
@@ -14,7 +13,7 @@ use crate::{Error, Observer, Operation, Result, Terrain};
 
 /// Instances of a stroke that are planned and run at once.
 const BATCH_INSTANCES: usize = 1024;
-/// Pages of a fill that are run at once.
+/// Pages that are run at once: after each such piece the observer may cancel.
 const BATCH_PAGES: usize = 64;
 
 /// What an operation did.
@@ -49,14 +48,7 @@ impl Terrain {
     /// # Errors
     /// [`Error::InRecipe`] with the operation that failed, or [`Error::Cancelled`]; none of them was done then.
     pub fn apply(&mut self, operations: &[Operation], observer: &mut dyn Observer) -> Result<Vec<Applied>> {
-        match self.run(operations, observer, After::Commit) {
-            Err(err) if err.is_device_lost() => {
-                tracing::warn!("{err}; it is done again on a new device");
-                self.drop_executor();
-                self.run(operations, observer, After::Commit)
-            }
-            result => result,
-        }
+        self.run(operations, observer, After::Commit)
     }
 
     /// Runs operations and takes them back: whether they would work, and what they would do.
@@ -73,6 +65,22 @@ impl Terrain {
         observer: &mut dyn Observer,
         after: After,
     ) -> Result<Vec<Applied>> {
+        let first = self.run_once(operations, observer, after);
+        match first {
+            Err(err) if matches!(err.gpu(), Some(orogeny_gpu::Error::DeviceLost { .. })) => {
+                tracing::warn!("{err}; it is done again on a new device");
+                self.run_once(operations, observer, after)
+            }
+            result => result,
+        }
+    }
+
+    fn run_once(
+        &mut self,
+        operations: &[Operation],
+        observer: &mut dyn Observer,
+        after: After,
+    ) -> Result<Vec<Applied>> {
         if operations.is_empty() {
             return Ok(Vec::new());
         }
@@ -80,8 +88,10 @@ impl Terrain {
         let (store, executor) = self.store_and_executor()?;
         let site = Site { grid: store.grid(), layout: store.layout(), author: &author };
         let mut transaction = store.begin()?;
-        let mut written = BTreeSet::new();
-        let applied = apply_all(operations, &site, &mut transaction, executor, &mut written, observer);
+        if transaction.take_was_moved_by_others() {
+            executor.cancel();
+        }
+        let applied = apply_all(operations, &site, &mut transaction, executor, observer);
         let result = match (applied, after) {
             (Ok(applied), After::Commit) => {
                 transaction.commit_recorded().map(|()| applied).map_err(Error::from)
@@ -93,7 +103,10 @@ impl Terrain {
         };
         if result.is_err() || after == After::TakeBack {
             executor.cancel();
-            executor.forget(&written.into_iter().collect::<Vec<_>>());
+        }
+        if result.as_ref().is_err_and(|err| err.gpu().is_some()) {
+            // A lost or hung device does not come back; the next operation makes a new one.
+            self.drop_executor();
         }
         result
     }
@@ -106,26 +119,22 @@ enum After {
     TakeBack,
 }
 
-/// Runs operations one after another; notes in `written` every page that any of them wrote.
+/// Runs operations one after another.
 fn apply_all(
     operations: &[Operation],
     site: &Site<'_>,
     transaction: &mut Transaction<'_>,
     executor: &mut dyn Executor,
-    written: &mut BTreeSet<PageKey>,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Applied>> {
     let mut applied = Vec::with_capacity(operations.len());
     for (index, operation) in operations.iter().enumerate() {
-        let one = apply_one(operation, site, transaction, executor, written, observer);
+        let (number, count, brush_type) = (index + 1, operations.len(), operation.brush().brush_type);
+        tracing::info!("operation {number} of {count}: {} {}", operation.name(), brush_type.name());
+        let one = apply_one(operation, site, transaction, executor, observer);
         applied.push(one.map_err(|err| match err {
             Error::Cancelled => Error::Cancelled,
-            source => Error::InRecipe {
-                number: index + 1,
-                count: operations.len(),
-                name: operation.name(),
-                source: Box::new(source),
-            },
+            source => Error::InRecipe { number, count, name: operation.name(), source: Box::new(source) },
         })?);
     }
     Ok(applied)
@@ -136,7 +145,6 @@ fn apply_one(
     site: &Site<'_>,
     transaction: &mut Transaction<'_>,
     executor: &mut dyn Executor,
-    written: &mut BTreeSet<PageKey>,
     observer: &mut dyn Observer,
 ) -> Result<Applied> {
     let start = Instant::now();
@@ -157,9 +165,7 @@ fn apply_one(
         }
     };
     let result = result.and_then(|()| Ok(executor.finish(&mut pages)?));
-    let saved = pages.into_saved();
-    let num_pages = saved.len();
-    written.extend(saved);
+    let num_pages = pages.num_saved();
     let notices = result?;
     let entry = transaction.record(&operation.to_recorded_json(layer.id)?, site.author)?;
     Ok(Applied {
@@ -181,16 +187,19 @@ fn run_stroke(
     observer: &mut dyn Observer,
 ) -> Result<()> {
     stroke.check(&site.grid)?;
-    let mut planner = StrokePlanner::new(stroke.brush.clone(), stroke.seed, site.grid, site.layout, field);
+    let mut planner = StrokePlanner::new(stroke.brush.clone(), stroke.seed, site.grid, site.layout, field)?;
     for point in &stroke.points {
         planner.push(point)?;
     }
     planner.finish();
     let mut num_instances = 0;
     while let Some(batch) = planner.next_batch(pages, BATCH_INSTANCES)? {
-        executor.run(&batch, pages)?;
         num_instances += batch.instances.len() as u64;
         report(observer, "painting", num_instances, 0)?;
+        for piece in batch.split(BATCH_PAGES) {
+            executor.run(&piece, pages)?;
+            report(observer, "painting", num_instances, 0)?;
+        }
     }
     Ok(())
 }

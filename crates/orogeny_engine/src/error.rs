@@ -85,6 +85,14 @@ pub enum Error {
         /// The longest side.
         limit: u32,
     },
+    /// A file could not be read.
+    #[error("`{}` could not be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// A picture could not be written.
     #[error("`{}` could not be written: {source}", path.display())]
     Write {
@@ -99,12 +107,13 @@ pub enum Error {
 }
 
 impl Error {
-    pub(crate) fn is_device_lost(&self) -> bool {
+    /// The GPU's error, if it is one: what works on it is then of no more use.
+    pub(crate) fn gpu(&self) -> Option<&orogeny_gpu::Error> {
         match self {
-            Self::Brush(err) => err.is_device_lost(),
-            Self::Gpu(orogeny_gpu::Error::DeviceLost { .. }) => true,
-            Self::InRecipe { source, .. } => source.is_device_lost(),
-            _ => false,
+            Self::Brush(err) => err.gpu(),
+            Self::Gpu(err) => Some(err),
+            Self::InRecipe { source, .. } => source.gpu(),
+            _ => None,
         }
     }
 }

@@ -1,9 +1,10 @@
 //! From a file of another program to a terrain, or to a layer of one.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use orogeny_field::{Page, PageKey, SampleRect, TerrainGrid};
-use orogeny_formats::{Import, ImportOptions};
+use orogeny_formats::{Import, ImportOptions, NodataPolicy};
 use orogeny_store::{EntryId, Layer, NewLayer, Transaction};
 
 use crate::progress::report;
@@ -124,6 +125,8 @@ impl Terrain {
             "op": "import",
             "layer": layer.id,
             "file": request.file.file_name().unwrap_or_default().to_string_lossy(),
+            "blake3": hash_of(&request.file)?,
+            "options": recorded_options(&request.options),
             "at": request.at_m,
             "width": width,
             "depth": depth,
@@ -140,6 +143,32 @@ impl Terrain {
             notices,
         })
     }
+}
+
+/// Names the file's content, whatever becomes of the file.
+fn hash_of(file: &Path) -> Result<String> {
+    let failed = |source| Error::Read { path: file.to_owned(), source };
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(File::open(file).map_err(failed)?).map_err(failed)?;
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+/// What was said about the file: with the file, enough to read it in the same way.
+fn recorded_options(options: &ImportOptions) -> serde_json::Value {
+    let name = |value: Option<String>| value.map(|value| value.to_lowercase());
+    serde_json::json!({
+        "format": name(options.format.map(|format| format!("{format:?}"))),
+        "size": options.size,
+        "sample": name(options.sample.map(|sample| format!("{sample:?}"))),
+        "byte_order": name(options.byte_order.map(|byte_order| format!("{byte_order:?}"))),
+        "range": options.range_m,
+        "nodata": match options.nodata {
+            NodataPolicy::Fill => "fill".into(),
+            NodataPolicy::Value(height_m) => serde_json::Value::from(height_m),
+            _ => "refuse".into(),
+        },
+        "spacing": options.spacing_m,
+    })
 }
 
 fn raster_rect(grid: &TerrainGrid, at_m: [f64; 2], width: u32, depth: u32) -> Result<SampleRect> {

@@ -44,7 +44,9 @@ pub use import::{ImportRequest, ImportSummary};
 pub use map::{MapRequest, MapSummary};
 pub use operation::{LayerReference, Operation, Recipe};
 pub use orogeny_field::{BrushType, Parameter, ParameterKind, SampleRect, TerrainGrid};
-pub use orogeny_formats::{ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType};
+pub use orogeny_formats::{
+    ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,
+};
 pub use orogeny_gpu::{AdapterDescription, list_adapters};
 pub use orogeny_store::{Change, Entry, EntryId, EntryState, HistorySummary, Layer};
 pub use progress::{Observer, Progress, Quiet};

@@ -8,7 +8,7 @@ use crate::progress::report;
 use crate::{Error, Observer, Result, Terrain};
 
 /// The longest side of a picture, in pixels.
-const MAX_SIDE_PX: u32 = 16_384;
+const MAX_SIDE_PX: u32 = 8192;
 
 /// Light from the north-west, the convention of maps, and weaker light from both sides of it, so that no slope is black:
 /// azimuth in degrees from north, clockwise; share of the light.
@@ -100,24 +100,35 @@ impl Terrain {
         samples_per_px: u32,
         observer: &mut dyn Observer,
     ) -> Result<Picture> {
-        let side = samples_per_px as usize;
         let width = rect.width().div_ceil(samples_per_px) as usize;
-        let mut composite = self.composite(Source::Composite, rect);
-        let mut row = vec![0.0; rect.width() as usize];
-        let mut heights = Vec::with_capacity(width * rect.depth().div_ceil(samples_per_px) as usize);
-        let mut sums = vec![0.0_f64; width];
-        for z in 0..rect.depth() {
-            composite.read_rows(&mut row)?;
-            for (sum, block) in sums.iter_mut().zip(row.chunks(side)) {
-                *sum += block.iter().copied().map(f64::from).sum::<f64>() / block.len() as f64;
+        let depth = rect.depth().div_ceil(samples_per_px) as usize;
+        // What painted pages add to the height of unpainted ground: so a map costs what is painted, not what there could be.
+        let unpainted_m = f64::from(self.unpainted_height_m());
+        let mut sums = vec![0.0_f64; width * depth];
+        let painted = self.painted_rects(rect)?;
+        for (index, page) in painted.iter().enumerate() {
+            let mut composite = self.composite(Source::Composite, *page);
+            let mut row = vec![0.0; page.width() as usize];
+            for z in page.z0..page.z1 {
+                composite.read_rows(&mut row)?;
+                let first = (z.abs_diff(rect.z0) / samples_per_px) as usize * width;
+                for (x, height_m) in (page.x0.abs_diff(rect.x0)..).zip(&row) {
+                    if let Some(sum) = sums.get_mut(first + (x / samples_per_px) as usize) {
+                        *sum += f64::from(*height_m) - unpainted_m;
+                    }
+                }
             }
-            let rows_in_block = z % samples_per_px + 1;
-            if rows_in_block == samples_per_px || z + 1 == rect.depth() {
-                heights.extend(sums.iter().map(|sum| (sum / f64::from(rows_in_block)) as f32));
-                sums.fill(0.0);
-            }
-            report(observer, "drawing", u64::from(z) + 1, u64::from(rect.depth()))?;
+            report(observer, "drawing", index as u64 + 1, painted.len() as u64)?;
         }
+        let side = |pixel: usize, length: u32| {
+            let start = pixel as u32 * samples_per_px;
+            f64::from((length - start).min(samples_per_px))
+        };
+        let mean = |(pixel, sum): (usize, f64)| {
+            let area = side(pixel % width, rect.width()) * side(pixel / width, rect.depth());
+            (unpainted_m + sum / area) as f32
+        };
+        let heights = sums.into_iter().enumerate().map(mean).collect();
         let spacing_m = (self.grid().spacing_m() * f64::from(samples_per_px)) as f32;
         Ok(Picture { width, heights, spacing_m })
     }
@@ -193,6 +204,18 @@ fn tint(t: f32) -> [f32; 3] {
     colour
 }
 
+/// Makes temporary files with the permissions that any new file has.
+fn temporary_file() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        // The system takes from these what the user's mask says.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder
+}
+
 /// Writes an RGB picture, which appears whole or not at all.
 fn write_png(path: &Path, width: u32, height: u32, pixels: &[u8]) -> Result<()> {
     let failed = |source: std::io::Error| Error::Write { path: path.to_owned(), source };
@@ -200,7 +223,7 @@ fn write_png(path: &Path, width: u32, height: u32, pixels: &[u8]) -> Result<()> 
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    let mut temporary = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    let mut temporary = temporary_file().tempfile_in(folder).map_err(failed)?;
     {
         let mut encoder = png::Encoder::new(BufWriter::new(temporary.as_file_mut()), width, height);
         encoder.set_color(png::ColorType::Rgb);
@@ -245,6 +268,17 @@ mod tests {
         };
         let (towards, flat, away) = (brightness(0.5, 0.5), brightness(0.0, 0.0), brightness(-0.5, -0.5));
         assert!(towards > flat && flat > away, "{towards} {flat} {away}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_picture_has_the_permissions_of_any_new_file() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode();
+        std::fs::write(folder.path().join("any"), "").unwrap();
+        write_png(&folder.path().join("map.png"), 1, 1, &[1, 2, 3]).unwrap();
+        assert_eq!(mode(&folder.path().join("map.png")), mode(&folder.path().join("any")));
     }
 
     #[test]

@@ -20,9 +20,9 @@ impl<'a, 'store> TransactionPages<'a, 'store> {
         Self { transaction, layout, constants, saved: BTreeSet::new() }
     }
 
-    /// The pages that were saved.
-    pub(crate) fn into_saved(self) -> BTreeSet<PageKey> {
-        self.saved
+    /// How many pages were saved.
+    pub(crate) fn num_saved(&self) -> usize {
+        self.saved.len()
     }
 }
 

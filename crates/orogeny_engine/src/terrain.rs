@@ -1,14 +1,16 @@
 //! The open terrain: its file, its executor, its history.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use orogeny_brush::Executor;
-use orogeny_field::{PageKey, PageLayout, SampleRect, TerrainGrid};
+use orogeny_field::{FieldId, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_store::{Change, Entry, HistorySummary, Layer, NewLayer, NewTerrain, Store};
 
 use crate::backend::{self, Settings};
 use crate::composite::{Composite, Source};
-use crate::{Error, LayerReference, Result};
+use crate::progress::report;
+use crate::{Error, LayerReference, Observer, Result};
 
 /// The name of the layer that a new terrain has.
 pub(crate) const BASE_LAYER: &str = "Base";
@@ -180,22 +182,55 @@ impl Terrain {
         Ok(height_m)
     }
 
-    /// Lowest, highest and mean height of the composite. Reads the whole terrain.
+    /// Lowest, highest and mean height of the composite. Reads every painted page, and no other.
     ///
     /// # Errors
-    /// [`Error::Store`] when a page cannot be read.
-    pub fn height_statistics(&self) -> Result<HeightStatistics> {
-        let mut composite = self.composite(Source::Composite, self.grid().bounds());
-        let mut row = vec![0.0; self.grid().width() as usize];
+    /// [`Error::Store`] when a page cannot be read; [`Error::Cancelled`].
+    pub fn height_statistics(&self, observer: &mut dyn Observer) -> Result<HeightStatistics> {
+        let bounds = self.grid().bounds();
+        let painted = self.painted_rects(bounds)?;
         let (mut min_m, mut max_m, mut sum_m) = (f32::INFINITY, f32::NEG_INFINITY, 0.0_f64);
-        while composite.read_rows(&mut row)? > 0 {
-            for height_m in &row {
+        let mut num_samples = 0;
+        for (index, rect) in painted.iter().enumerate() {
+            let mut heights = vec![0.0; usize::try_from(rect.area()).unwrap_or_default()];
+            self.composite(Source::Composite, *rect).read_rows(&mut heights)?;
+            for height_m in &heights {
                 min_m = min_m.min(*height_m);
                 max_m = max_m.max(*height_m);
                 sum_m += f64::from(*height_m);
             }
+            num_samples += rect.area();
+            report(observer, "measuring", index as u64 + 1, painted.len() as u64)?;
         }
-        Ok(HeightStatistics { min_m, max_m, mean_m: sum_m / self.grid().bounds().area() as f64 })
+        if num_samples < bounds.area() {
+            let unpainted_m = self.unpainted_height_m();
+            min_m = min_m.min(unpainted_m);
+            max_m = max_m.max(unpainted_m);
+            sum_m += f64::from(unpainted_m) * (bounds.area() - num_samples) as f64;
+        }
+        Ok(HeightStatistics { min_m, max_m, mean_m: sum_m / bounds.area() as f64 })
+    }
+
+    /// What of a rectangle is painted on any visible layer, page by page.
+    pub(crate) fn painted_rects(&self, rect: SampleRect) -> Result<Vec<SampleRect>> {
+        let layout = self.store.layout();
+        let mut places = BTreeSet::new();
+        for layer in self.store.layers().iter().filter(|layer| layer.visible) {
+            let keys = self.store.page_keys(layer.heights)?;
+            places.extend(keys.into_iter().filter(|key| key.level == 0).map(|key| (key.z, key.x)));
+        }
+        let any_field = FieldId(0);
+        let rects = places
+            .into_iter()
+            .map(|(z, x)| layout.page_rect(&PageKey::full_resolution(any_field, x, z)).intersection(&rect));
+        Ok(rects.filter(|rect| !rect.is_empty()).collect())
+    }
+
+    /// The composite where nothing is painted.
+    pub(crate) fn unpainted_height_m(&self) -> f32 {
+        let mut visible = self.store.layers().iter().filter(|layer| layer.visible);
+        let lowest_m = visible.next().map_or(0.0, |layer| layer.constant_m);
+        visible.fold(lowest_m, |height_m, layer| height_m + layer.opacity * layer.constant_m)
     }
 
     /// Undoes up to `count` operations, bit for bit; fewer where the history begins.
@@ -227,6 +262,11 @@ impl Terrain {
     }
 
     fn forget(&mut self, changes: &[Change]) {
+        if self.store.take_was_moved_by_others()
+            && let Some(executor) = &mut self.executor
+        {
+            executor.cancel();
+        }
         changes.iter().for_each(|change| self.forget_pages(&change.pages));
     }
 

@@ -86,6 +86,14 @@ pub enum Error {
     /// A stroke with no points.
     #[error("the stroke has no points: give at least one [x, z]")]
     EmptyStroke,
+    /// A stroke of more points than one stroke takes. Cut it.
+    #[error("the stroke has {num_points} points, the limit is {limit}; cut it into several")]
+    TooManyPoints {
+        /// How many it has.
+        num_points: usize,
+        /// The limit.
+        limit: usize,
+    },
     /// A brush type that does not exist.
     #[error("there is no brush type `{name}`: {known}")]
     BrushType {

@@ -13,12 +13,14 @@ pub const fn is_storable_height(height_m: f32) -> bool {
     (height_m.to_bits() & 0x7fff_ffff) <= MAX_HEIGHT_M.to_bits()
 }
 
-/// The height that a kernel stores: clamped to ±[`MAX_HEIGHT_M`], denormals become +0.
+/// The height that a kernel stores: clamped to ±[`MAX_HEIGHT_M`]; denormals become +0, and so does NaN, which only a
+/// damaged page could have brought in.
 #[inline(always)]
 #[must_use]
 pub fn sanitized_height(height_m: f32) -> f32 {
     let clamped = height_m.clamp(-MAX_HEIGHT_M, MAX_HEIGHT_M);
-    if clamped.abs() < f32::MIN_POSITIVE { 0.0 } else { clamped }
+    // Asked this way round, since a comparison with NaN is false.
+    if clamped.abs() >= f32::MIN_POSITIVE { clamped } else { 0.0 }
 }
 
 /// Accepts one height from outside, with denormals turned to +0.
@@ -65,5 +67,20 @@ mod tests {
         assert_eq!(sanitized_height(-1.0e-40).to_bits(), 0);
         assert_eq!(check_height("a test", 1.0e-45).unwrap().to_bits(), 0);
         assert!(check_height("a test", f32::NAN).is_err());
+    }
+
+    #[test]
+    fn no_bits_at_all_are_stored_as_a_height_that_cannot_be() {
+        for upper in 0..=u16::MAX {
+            for lower in [0, 1, 0x8000, 0xffff] {
+                let height_m = f32::from_bits(u32::from(upper) << 16 | lower);
+                let stored = sanitized_height(height_m);
+                assert!(is_storable_height(stored) && !stored.is_subnormal(), "{height_m}");
+                let is_good = is_storable_height(height_m) && !height_m.is_subnormal();
+                assert!(!is_good || stored.to_bits() == height_m.to_bits() || height_m == 0.0, "{height_m}");
+            }
+        }
+        assert_eq!(sanitized_height(f32::NAN).to_bits(), 0);
+        assert_eq!(sanitized_height(f32::NEG_INFINITY), -MAX_HEIGHT_M);
     }
 }

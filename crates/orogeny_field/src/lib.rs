@@ -38,4 +38,4 @@ pub use height::{MAX_HEIGHT_M, check_height, check_heights, is_storable_height, 
 pub use instance::{Instance, WeightMode};
 pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
 pub use rect::SampleRect;
-pub use stroke::{MAX_COORDINATE_SAMPLES, PointerSample, Stroke};
+pub use stroke::{MAX_COORDINATE_SAMPLES, MAX_STROKE_POINTS, PointerSample, Stroke};

@@ -5,6 +5,9 @@ use crate::{Brush, Error, Result, TerrainGrid};
 /// How far from the terrain's corner a stroke point may lie, in samples: kernels hold a place as a 32-bit integer.
 pub const MAX_COORDINATE_SAMPLES: f64 = (1_u32 << 29) as f64;
 
+/// The most points of one stroke: hours of drawing.
+pub const MAX_STROKE_POINTS: usize = 1 << 20;
+
 /// One pointer sample. In JSON `[x, z]`, `[x, z, pressure]` or `[x, z, pressure, time]`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
@@ -13,7 +16,7 @@ pub struct PointerSample {
     pub position_m: [f64; 2],
     /// 0..1; 1 where the device has none.
     pub pressure: f32,
-    /// Seconds since the stroke began, where known.
+    /// Seconds since the stroke began, where known. Kept with the stroke; nothing depends on it yet.
     pub time_s: Option<f64>,
 }
 
@@ -107,10 +110,15 @@ impl Stroke {
     /// Accepts a stroke for a terrain.
     ///
     /// # Errors
-    /// [`Error::EmptyStroke`] without points, [`Error::Point`] for the first unusable one.
+    /// As [`Brush::check`]; [`Error::EmptyStroke`] without points, [`Error::TooManyPoints`] with more than
+    /// [`MAX_STROKE_POINTS`], [`Error::Point`] for the first unusable one.
     pub fn check(&self, grid: &TerrainGrid) -> Result<()> {
+        self.brush.check()?;
         if self.points.is_empty() {
             return Err(Error::EmptyStroke);
+        }
+        if self.points.len() > MAX_STROKE_POINTS {
+            return Err(Error::TooManyPoints { num_points: self.points.len(), limit: MAX_STROKE_POINTS });
         }
         self.points.iter().enumerate().try_for_each(|(index, point)| point.check(grid, index))
     }

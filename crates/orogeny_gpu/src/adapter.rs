@@ -60,25 +60,33 @@ fn is_software(info: &wgpu::AdapterInfo) -> bool {
         || ["llvmpipe", "swiftshader", "softpipe"].iter().any(|s| name.contains(s))
 }
 
-/// All adapters, best first: discrete, integrated, virtual, other, software; Vulkan, Metal and DX12 before GL.
+/// All adapters, best first: discrete, integrated, virtual, other, software. GL ones only where there are no others.
 #[must_use]
 pub fn list_adapters() -> Vec<AdapterDescription> {
     adapters().iter().map(|adapter| AdapterDescription::new(&adapter.get_info())).collect()
 }
 
+/// GL is asked only where there is nothing else: loading its drivers takes longer than all others, and they talk to standard
+/// error.
 fn adapters() -> Vec<wgpu::Adapter> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let of = |backends: wgpu::Backends| {
+        let descriptor =
+            wgpu::InstanceDescriptor { backends, ..wgpu::InstanceDescriptor::new_without_display_handle() };
+        pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(backends))
+    };
+    let mut adapters = of(wgpu::Backends::all() - wgpu::Backends::GL);
+    if adapters.is_empty() {
+        adapters = of(wgpu::Backends::GL);
+    }
     adapters.sort_by_key(|adapter| {
         let info = adapter.get_info();
-        let kind = match info.device_type {
+        match info.device_type {
             _ if is_software(&info) => 4,
             wgpu::DeviceType::DiscreteGpu => 0,
             wgpu::DeviceType::IntegratedGpu => 1,
             wgpu::DeviceType::VirtualGpu => 2,
             wgpu::DeviceType::Other | wgpu::DeviceType::Cpu => 3,
-        };
-        (kind, u8::from(info.backend == wgpu::Backend::Gl))
+        }
     });
     adapters
 }

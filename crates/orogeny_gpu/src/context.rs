@@ -98,8 +98,19 @@ impl Gpu {
     /// # Errors
     /// As [`check`](Self::check); [`Error::Timeout`] when the device hangs.
     pub fn wait(&self) -> Result<()> {
-        let waited =
-            self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) });
+        self.poll(None)
+    }
+
+    /// Waits until one submission, and all before it, is done, then [`check`](Self::check)s.
+    ///
+    /// # Errors
+    /// As [`wait`](Self::wait).
+    pub fn wait_for(&self, submission: wgpu::SubmissionIndex) -> Result<()> {
+        self.poll(Some(submission))
+    }
+
+    fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
+        let waited = self.device.poll(wgpu::PollType::Wait { submission_index, timeout: Some(TIMEOUT) });
         self.check()?;
         waited.map(|_| ()).map_err(|_| Error::Timeout { timeout_s: TIMEOUT.as_secs() })
     }
@@ -179,7 +190,8 @@ impl Gpu {
     /// The error for memory that cannot be mapped: the device is lost, or the driver is broken.
     pub(crate) fn unreachable(&self) -> Error {
         let broken = || Error::Validation { messages: "a buffer could not be mapped".to_owned() };
-        self.check().err().unwrap_or_else(broken)
+        // The driver tells that the device is lost only to one who waits.
+        self.wait().err().unwrap_or_else(broken)
     }
 }
 

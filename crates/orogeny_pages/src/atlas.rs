@@ -5,6 +5,9 @@ use orogeny_gpu::Gpu;
 
 use crate::{Error, Result};
 
+/// The most slots of an atlas, whatever the budget: 256 GiB of pages of 256 x 256 samples.
+const MAX_SLOTS: u32 = 1 << 20;
+
 /// A layer of one of the atlas's arrays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Slot {
@@ -51,7 +54,7 @@ impl Atlas {
             let budget_in_bytes = limits.budget_in_bytes;
             return Err(Error::Budget { budget_in_bytes, num_pages, needed: u64::from(needed) });
         }
-        let num_slots = u32::try_from(num_pages).unwrap_or(u32::MAX);
+        let num_slots = u32::try_from(num_pages).unwrap_or(MAX_SLOTS).min(MAX_SLOTS);
         let device_limit = gpu.device().limits().max_texture_array_layers;
         let layers_per_array = limits.layers_per_array.clamp(1, device_limit).min(num_slots);
         Ok(Self { label: label.to_owned(), layout, layers_per_array, num_slots, arrays: Vec::new() })
@@ -97,6 +100,17 @@ impl Atlas {
             self.arrays.push(Array { texture, view });
         }
         Ok(())
+    }
+
+    /// Gives up the slots whose texture does not exist: there is no memory for it.
+    pub fn shrink_to_existing(&mut self) {
+        self.num_slots = self.arrays.iter().map(|array| array.texture.depth_or_array_layers()).sum();
+    }
+
+    /// Whether a slot belongs to the atlas, as far as it has shrunk.
+    #[must_use]
+    pub const fn has(&self, slot: Slot) -> bool {
+        (slot.array as u64 * self.layers_per_array as u64 + slot.layer as u64) < self.num_slots as u64
     }
 
     /// The texture of an array that was [`prepare`](Self::prepare)d.

@@ -103,6 +103,12 @@ impl<S: Copy> Residency<S> {
         }
     }
 
+    /// Gives up free slots that are no longer to be used.
+    pub fn retain_free(&mut self, is_kept: impl FnMut(S) -> bool) {
+        let mut is_kept = is_kept;
+        self.free.retain(|slot| is_kept(*slot));
+    }
+
     /// Resident pages.
     #[must_use]
     pub fn num_resident(&self) -> usize {
@@ -136,6 +142,18 @@ mod tests {
         let admitted = residency.admit(key(2)).unwrap();
         assert_eq!(admitted, Admitted { slot: 1, evicted: Some(Evicted { key: key(1), is_dirty: true }) });
         assert!(residency.take_dirty().is_empty());
+    }
+
+    #[test]
+    fn free_slots_that_are_given_up_are_not_handed_out() {
+        let mut residency = Residency::new(vec![2, 1, 0]);
+        residency.admit(key(0)).unwrap();
+        residency.retain_free(|slot| slot < 2);
+        assert_eq!(residency.admit(key(1)).unwrap().slot, 1);
+        assert_eq!(
+            residency.admit(key(2)).unwrap(),
+            Admitted { slot: 0, evicted: Some(Evicted { key: key(0), is_dirty: false }) }
+        );
     }
 
     proptest! {

@@ -65,3 +65,50 @@ pub fn keep_largest(weights: &mut [f32], amounts: &[f32]) {
         *weight = weight.max(*amount);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::falloff;
+    use orogeny_field::{Profile, ProfileShape};
+
+    /// Rows are compiled for several instruction sets and the best is taken; one sample at a time, none is.
+    #[test]
+    fn a_row_has_the_bits_of_its_samples_one_by_one() {
+        let shapes = [
+            ProfileShape::Linear,
+            ProfileShape::Smooth,
+            ProfileShape::Sphere,
+            ProfileShape::Tip,
+            ProfileShape::Gauss,
+            ProfileShape::Power { power: 2.7 },
+            ProfileShape::Sigmoid { steepness: 3.0 },
+        ];
+        let instance = Instance {
+            cell: [1_048_000, 70],
+            fraction: [0.3, 0.7],
+            inverse_radius: 1.0 / 61.3,
+            amplitude: -1.7,
+            reference_height_m: 0.0,
+            inverse_radius_m: 1.0,
+        };
+        for shape in shapes {
+            for falloff_ratio in [0.0, 0.3, 1.0] {
+                let numbers = Falloff::from(Profile { shape, falloff_ratio });
+                for mode in [WeightMode::Direct, WeightMode::BuildUp, WeightMode::Wash] {
+                    let mut found = [f32::NAN; 131];
+                    row(&mut found, 1_047_935, 83, &instance, &numbers, mode);
+                    for (place, found) in found.iter().enumerate() {
+                        let dx = (1_047_935 + place as i32 - 1_048_000) as f32 - 0.3;
+                        let dz = 13.0 - 0.7;
+                        let r = (dx * dx + dz * dz).sqrt() * instance.inverse_radius;
+                        let amount = falloff::weight(r, &numbers) * -1.7;
+                        let expected =
+                            if mode == WeightMode::BuildUp { -exp_minus_one(amount) } else { amount };
+                        assert_eq!(found.to_bits(), expected.to_bits(), "{shape:?} {mode:?} at {place}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,9 +1,9 @@
-//! What happens to a height on its way back: clamped to what a terrain holds, denormals to +0, clampings counted.
+//! What happens to a height on its way back: clamped to what a terrain holds, denormals and NaN to +0, clampings counted.
 
-use orogeny_field::{MAX_HEIGHT_M, sanitized_height};
+use orogeny_field::{is_storable_height, sanitized_height};
 
 /// Replaces each height of a row by what `new_height` makes of it and the amount at its sample, and gives the number of
-/// heights that had to be clamped to ±[`MAX_HEIGHT_M`]. `new_height` gets the sample's place in the row too.
+/// heights that could not be stored as they were. `new_height` gets the sample's place in the row too.
 #[inline(always)]
 pub fn update_row(
     heights: &mut [f32],
@@ -13,7 +13,7 @@ pub fn update_row(
     let mut num_clamped = 0;
     for (place, (height, amount)) in heights.iter_mut().zip(amounts).enumerate() {
         let new = new_height(place, *height, *amount);
-        num_clamped += u32::from(new.abs() > MAX_HEIGHT_M);
+        num_clamped += u32::from(!is_storable_height(new));
         *height = sanitized_height(new);
     }
     num_clamped

@@ -29,6 +29,7 @@ pub struct Store {
     pub(crate) db: Database,
     pub(crate) document: Document,
     pub(crate) stack: Stack,
+    pub(crate) was_moved_by_others: bool,
 }
 
 /// The layers and what their fields hold where they have no page.
@@ -76,7 +77,7 @@ impl Store {
             }
             db.insert_document(&document)
         })?;
-        Ok(Self { db, document, stack })
+        Ok(Self { db, document, stack, was_moved_by_others: false })
     }
 
     /// Opens a terrain file, in time independent of its size. A log that a killed process left is taken up: everything
@@ -88,7 +89,7 @@ impl Store {
     pub fn open(path: &Path) -> Result<Self> {
         let db = Database::open(path)?;
         let (document, stack) = db.in_snapshot(|| Ok((db.document()?, Stack::load(&db)?)))?;
-        Ok(Self { db, document, stack })
+        Ok(Self { db, document, stack, was_moved_by_others: false })
     }
 
     /// Moves everything into the one file and closes it: no log remains, unless someone else has the terrain open.
@@ -116,6 +117,12 @@ impl Store {
     #[must_use]
     pub const fn layout(&self) -> PageLayout {
         self.document.layout
+    }
+
+    /// Whether another writer has moved the terrain to another place in its history since this was last asked, as seen by
+    /// the last transaction, undo or redo. Pages remembered from before are then out of date.
+    pub const fn take_was_moved_by_others(&mut self) -> bool {
+        std::mem::replace(&mut self.was_moved_by_others, false)
     }
 
     /// The layers, from the bottom.
@@ -162,6 +169,7 @@ impl Store {
         let document = self.db.document()?;
         if document.head != self.document.head {
             self.stack = Stack::load(&self.db)?;
+            self.was_moved_by_others = true;
         }
         self.document = document;
         Ok(())

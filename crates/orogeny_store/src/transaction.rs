@@ -69,6 +69,11 @@ impl<'store> Transaction<'store> {
         }
     }
 
+    /// As [`Store::take_was_moved_by_others`].
+    pub const fn take_was_moved_by_others(&mut self) -> bool {
+        self.store.take_was_moved_by_others()
+    }
+
     /// The layers, from the bottom, with those added here.
     #[must_use]
     pub fn layers(&self) -> &[Layer] {

@@ -134,7 +134,7 @@ fn cases() -> Result<Vec<Case>> {
 
 fn dab(brush: Brush, place_m: [f64; 2]) -> Result<Batch> {
     let grid = TerrainGrid::new(TERRAIN.0, TERRAIN.1, 1.0)?;
-    let mut planner = StrokePlanner::new(brush, 0, grid, PageLayout::default(), FieldId(0));
+    let mut planner = StrokePlanner::new(brush, 0, grid, PageLayout::default(), FieldId(0))?;
     let [x, z] = place_m;
     planner.push(&PointerSample::at(x, z))?;
     planner.finish();

@@ -1,13 +1,11 @@
 //! The GPU back end: tiles of pages, in place, in texture arrays.
 //!
-//! A step makes up to [`STEP_PAGES`] pages resident (what has to make room is read back by copies that are only collected
+//! A step makes up to [`STEP_BYTES`] of pages resident (what has to make room is read back by copies that are only collected
 //! when they arrive), dispatches one workgroup a tile, and submits. Pages are uploaded by commands of the same submission, so
 //! that everything happens in the order in which it is written here.
 
 mod resident;
 mod uniforms;
-
-use std::collections::BTreeSet;
 
 use orogeny_field::{Page, PageKey, PageLayout, WeightMode};
 use orogeny_gpu::{Gpu, Kernels, ReadBack, ReadbackBelt};
@@ -17,14 +15,14 @@ use crate::execute::{Executor, Notices};
 use crate::plan::{Batch, PageWork};
 use crate::tiles::TileList;
 use crate::{Error, Result};
-use resident::{Heights, Scratch};
+use resident::{Heights, Resident, Scratch};
 
 pub use uniforms::BrushUniform;
 
-/// Pages made resident at once: bounds the memory of uploads and readbacks in flight to 16 MiB each.
-const STEP_PAGES: usize = 64;
-/// Instance indices after which a step is cut: bounds the tile lists of a batch of large instances to 16 MiB.
-const STEP_INDICES: usize = 4 << 20;
+/// Bytes of pages made resident at once: bounds the memory of uploads and readbacks in flight.
+const STEP_BYTES: u64 = 16 << 20;
+/// Instances of tiles after which a step is cut: at 1,024 samples each it then takes a weak GPU no longer than a driver waits.
+const STEP_INDICES: usize = 256 << 10;
 /// Pages a wash needs at once: its heights, its heights from before and its weights.
 const SMALLEST_BUDGET_PAGES: u64 = 4;
 
@@ -47,9 +45,8 @@ pub struct GpuExecutor {
     scratch: Scratch,
     belt: ReadbackBelt<ReadbackTag>,
     counters: wgpu::Buffer,
-    /// Pages that the running operation has changed, or the last one if none runs.
-    changed: BTreeSet<PageKey>,
-    is_finished: bool,
+    /// The last step that was submitted.
+    last_step: Option<wgpu::SubmissionIndex>,
 }
 
 /// What a page on its way back is.
@@ -91,8 +88,7 @@ impl GpuExecutor {
             scratch,
             belt: ReadbackBelt::new(gpu.clone(), layout.size()),
             counters,
-            changed: BTreeSet::new(),
-            is_finished: true,
+            last_step: None,
             gpu,
         })
     }
@@ -115,12 +111,22 @@ impl GpuExecutor {
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("orogeny.brush.step") })
     }
 
-    fn submit(&mut self, encoder: wgpu::CommandEncoder) {
-        self.gpu.queue().submit([encoder.finish()]);
-        self.belt.after_submit();
+    fn step_pages(&self) -> usize {
+        usize::try_from(STEP_BYTES / self.layout.size_in_bytes()).unwrap_or(usize::MAX).max(1)
     }
 
-    /// One step: makes its pages resident and dispatches its tiles. Gives back how many of the works it took.
+    /// Submits a step once the one before the last is done, so that no more than two are ever under way.
+    fn submit(&mut self, encoder: wgpu::CommandEncoder) -> Result<()> {
+        let submitted = self.gpu.queue().submit([encoder.finish()]);
+        self.belt.after_submit();
+        match self.last_step.replace(submitted) {
+            Some(before) => Ok(self.gpu.wait_for(before)?),
+            None => Ok(()),
+        }
+    }
+
+    /// One step: makes its pages resident and dispatches its tiles. Gives back how many of the works it took: none of them
+    /// where texture memory turned out to be short and the step is to be tried again with less.
     fn step(
         &mut self,
         batch: &Batch,
@@ -131,9 +137,14 @@ impl GpuExecutor {
         let is_wash = batch.pass.weight_mode == WeightMode::Wash;
         self.await_pages(works, store)?;
         let mut encoder = self.encoder();
-        self.heights.make_resident(&self.gpu, &mut encoder, &mut self.belt, works, store)?;
-        if is_wash {
-            self.scratch.make_resident(&self.gpu, &mut encoder, &mut self.belt, works, store)?;
+        let mut resident =
+            self.heights.make_resident(&self.gpu, &mut encoder, &mut self.belt, works, store)?;
+        if is_wash && matches!(resident, Resident::All) {
+            resident = self.scratch.make_resident(&self.gpu, &mut encoder, &mut self.belt, works, store)?;
+        }
+        if let Resident::TextureMemoryShort(err) = resident {
+            self.submit(encoder)?;
+            return self.make_do(err);
         }
         let mut lists = std::collections::BTreeMap::<(u32, u32), TileList>::new();
         let mut num_indices = 0;
@@ -151,15 +162,14 @@ impl GpuExecutor {
             list.add_page(batch, work, self.layout, slot.layer, scratch_slot.layer);
             num_indices += list.indices.len() - before;
             self.heights.mark_dirty(&work.key);
-            self.changed.insert(work.key);
         }
         for ((array, scratch_array), list) in lists {
             if !list.tiles.is_empty() {
                 self.dispatch(&mut encoder, batch, instances, array, scratch_array, &list)?;
             }
         }
-        self.submit(encoder);
-        let arrived = if self.belt.num_under_way() > STEP_PAGES {
+        self.submit(encoder)?;
+        let arrived = if self.belt.num_under_way() > self.step_pages() {
             self.belt.collect_all()
         } else {
             self.belt.collect_arrived()
@@ -188,7 +198,7 @@ impl GpuExecutor {
             let page = Page::from_samples(self.layout, samples)?;
             match tag {
                 ReadbackTag::Heights(key) => heights.push((key, page)),
-                ReadbackTag::Weights(key) => self.scratch.keep_weights(key, page),
+                ReadbackTag::Weights(key) => self.scratch.keep_weights(key, &page)?,
             }
         }
         if heights.is_empty() {
@@ -260,6 +270,21 @@ impl GpuExecutor {
         Ok(())
     }
 
+    fn num_slots(&self, mode: WeightMode) -> usize {
+        let scratch = if mode == WeightMode::Wash { self.scratch.num_slots() } else { usize::MAX };
+        self.heights.num_slots().min(scratch)
+    }
+
+    /// Out of texture memory, the budget shrinks to what there is, and the step is to be tried again from its start: 0 of
+    /// its works are done.
+    ///
+    /// # Errors
+    /// `err` where that leaves no room at all.
+    fn make_do(&mut self, err: orogeny_pages::Error) -> Result<usize> {
+        let has_shrunk = self.heights.shrink_to_existing() | self.scratch.shrink_to_existing();
+        if has_shrunk && self.heights.num_slots() > 0 { Ok(0) } else { Err(err.into()) }
+    }
+
     /// Reads and clears the counter of clamped heights.
     fn take_num_clamped(&mut self) -> Result<u64> {
         let size = uniforms::COUNTERS_SIZE_IN_BYTES;
@@ -272,7 +297,7 @@ impl GpuExecutor {
         let mut encoder = self.encoder();
         encoder.copy_buffer_to_buffer(&self.counters, 0, &buffer, 0, size);
         encoder.clear_buffer(&self.counters, 0, None);
-        self.submit(encoder);
+        self.submit(encoder)?;
         let mapped = self.gpu.read_buffer(&buffer)?;
         Ok(mapped.first().copied().map_or(0, u64::from))
     }
@@ -288,12 +313,9 @@ impl Executor for GpuExecutor {
         if expected != actual {
             return Err(Error::PageSize { expected, actual });
         }
-        if std::mem::take(&mut self.is_finished) {
-            self.changed.clear();
+        if batch.pages.is_empty() {
+            return Ok(());
         }
-        let is_wash = batch.pass.weight_mode == WeightMode::Wash;
-        let scratch_slots = if is_wash { self.scratch.num_slots() } else { usize::MAX };
-        let step_pages = STEP_PAGES.min(self.heights.num_slots()).min(scratch_slots);
         let instances = self.gpu.create_buffer_with(
             "orogeny.brush.instances",
             wgpu::BufferUsages::STORAGE,
@@ -301,7 +323,9 @@ impl Executor for GpuExecutor {
         )?;
         let mut rest = batch.pages.as_slice();
         while !rest.is_empty() {
-            let step = rest.get(..step_pages).unwrap_or(rest);
+            // Asked anew for each step: texture memory may turn out to be short. With no room at all a step fails.
+            let num_pages = self.step_pages().min(self.num_slots(batch.pass.weight_mode)).max(1);
+            let step = rest.get(..num_pages).unwrap_or(rest);
             let num_taken = self.step(batch, step, &instances, store)?;
             rest = rest.get(num_taken..).unwrap_or_default();
         }
@@ -311,31 +335,29 @@ impl Executor for GpuExecutor {
     fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices> {
         let arrived = self.belt.collect_all()?;
         self.keep(arrived, store)?;
-        for pages in self.heights.take_dirty().chunks(STEP_PAGES) {
+        for pages in self.heights.take_dirty().chunks(self.step_pages()) {
             let mut encoder = self.encoder();
             for (key, slot) in pages {
                 self.heights.schedule_readback(&mut encoder, &mut self.belt, *key, *slot)?;
             }
-            self.submit(encoder);
+            self.submit(encoder)?;
             let arrived = self.belt.collect_all()?;
             self.keep(arrived, store)?;
         }
         self.scratch.forget_all();
         let num_clamped_heights = self.take_num_clamped()?;
         self.gpu.check()?;
-        self.is_finished = true;
         Ok(Notices { num_clamped_heights })
     }
 
     fn cancel(&mut self) {
         self.belt.forget_all();
         self.scratch.forget_all();
-        for key in std::mem::take(&mut self.changed) {
-            self.heights.forget(&key);
-        }
-        self.is_finished = true;
-        // A failure here is seen by the next operation's check; the count of a cancelled one is of no use.
-        let _ = self.take_num_clamped();
+        self.heights.forget_all();
+        // Not waited for: the device may be gone, which the next operation sees.
+        let mut encoder = self.encoder();
+        encoder.clear_buffer(&self.counters, 0, None);
+        self.gpu.queue().submit([encoder.finish()]);
     }
 
     fn forget(&mut self, keys: &[PageKey]) {

@@ -1,7 +1,5 @@
 //! Pages on the GPU: the heights, and what a wash keeps beside them.
 
-use std::collections::HashMap;
-
 use orogeny_field::{Page, PageKey, PageLayout};
 use orogeny_gpu::{Gpu, ReadbackBelt};
 use orogeny_pages::{Admitted, Atlas, AtlasLimits, BoxError, PageStore, Residency, Slot};
@@ -9,6 +7,16 @@ use orogeny_pages::{Admitted, Atlas, AtlasLimits, BoxError, PageStore, Residency
 use super::ReadbackTag;
 use crate::Result;
 use crate::plan::PageWork;
+use crate::spill::Spill;
+
+/// Whether the pages of a step could all be given a slot.
+pub(super) enum Resident {
+    /// They were, and their uploads are recorded.
+    All,
+    /// There is no memory for a further texture array. Those that were already resident still are; what made room is on its
+    /// way back, so the encoder is to be submitted.
+    TextureMemoryShort(orogeny_pages::Error),
+}
 
 /// The heights of pages.
 #[derive(Debug)]
@@ -33,17 +41,31 @@ impl Heights {
         belt: &mut ReadbackBelt<ReadbackTag>,
         works: &[PageWork],
         store: &mut dyn PageStore,
-    ) -> Result<()> {
+    ) -> Result<Resident> {
         let mut uploads = Uploads::new(self.layout);
+        let mut admitted = Vec::new();
         for key in absent(&mut self.residency, works) {
             let Some(Admitted { slot, evicted }) = self.residency.admit(key) else { continue };
-            self.atlas.prepare(gpu, slot)?;
+            admitted.push(key);
+            if let Err(err) = self.atlas.prepare(gpu, slot) {
+                admitted.iter().for_each(|key| self.residency.forget(key));
+                return Ok(Resident::TextureMemoryShort(err));
+            }
             if let Some(evicted) = evicted.filter(|evicted| evicted.is_dirty) {
                 self.schedule_readback(encoder, belt, evicted.key, slot)?;
             }
             uploads.add_or_constant(store.load(&key), store.constant(key.field), slot)?;
         }
-        uploads.record(gpu, encoder, &self.atlas)
+        uploads.record(gpu, encoder, &self.atlas)?;
+        Ok(Resident::All)
+    }
+
+    /// Gives up the slots whose texture was never made; whether there were any.
+    pub(super) fn shrink_to_existing(&mut self) -> bool {
+        let num_slots = self.atlas.num_slots();
+        self.atlas.shrink_to_existing();
+        self.residency.retain_free(|slot| self.atlas.has(slot));
+        self.atlas.num_slots() < num_slots
     }
 
     pub(super) fn schedule_readback(
@@ -75,6 +97,10 @@ impl Heights {
         self.residency.forget(key);
     }
 
+    pub(super) fn forget_all(&mut self) {
+        self.residency.forget_all();
+    }
+
     pub(super) fn view(&self, array: u32) -> Option<&wgpu::TextureView> {
         self.atlas.view(array)
     }
@@ -96,7 +122,7 @@ pub(super) struct Scratch {
     before: Atlas,
     weights: Atlas,
     residency: Residency<Slot>,
-    spilled_weights: HashMap<PageKey, Page>,
+    spilled_weights: Spill,
     /// One texel each, bound where there is no wash.
     unused: [wgpu::TextureView; 2],
 }
@@ -107,7 +133,7 @@ impl Scratch {
         let weights = Atlas::new(gpu, "weights", layout, limits, 1)?;
         let residency = Residency::new(before.slots());
         let unused = [unused_view(gpu)?, unused_view(gpu)?];
-        Ok(Self { layout, before, weights, residency, spilled_weights: HashMap::new(), unused })
+        Ok(Self { layout, before, weights, residency, spilled_weights: Spill::new(layout), unused })
     }
 
     pub(super) fn make_resident(
@@ -117,30 +143,44 @@ impl Scratch {
         belt: &mut ReadbackBelt<ReadbackTag>,
         works: &[PageWork],
         store: &mut dyn PageStore,
-    ) -> Result<()> {
+    ) -> Result<Resident> {
         let mut before = Uploads::new(self.layout);
         let mut weights = Uploads::new(self.layout);
+        let mut admitted = Vec::new();
         for key in absent(&mut self.residency, works) {
             let Some(Admitted { slot, evicted }) = self.residency.admit(key) else { continue };
-            self.before.prepare(gpu, slot)?;
-            self.weights.prepare(gpu, slot)?;
+            admitted.push(key);
+            if let Err(err) = self.before.prepare(gpu, slot).and_then(|()| self.weights.prepare(gpu, slot)) {
+                admitted.iter().for_each(|key| self.residency.forget(key));
+                return Ok(Resident::TextureMemoryShort(err));
+            }
             // Weights change with every batch that touches their page: there are no clean ones.
             if let (Some(evicted), Some(texture)) = (evicted, self.weights.texture(slot.array)) {
                 belt.schedule(encoder, texture, slot.layer, ReadbackTag::Weights(evicted.key))?;
             }
             before.add_or_constant(store.load_before(&key), store.constant(key.field), slot)?;
-            weights.add_or_constant(Ok(self.spilled_weights.remove(&key)), 0.0, slot)?;
+            weights.add_or_constant(Ok(self.spilled_weights.take(&key)?), 0.0, slot)?;
         }
         before.record(gpu, encoder, &self.before)?;
-        weights.record(gpu, encoder, &self.weights)
+        weights.record(gpu, encoder, &self.weights)?;
+        Ok(Resident::All)
+    }
+
+    /// Gives up the slots whose textures were never made; whether there were any.
+    pub(super) fn shrink_to_existing(&mut self) -> bool {
+        let num_slots = self.num_slots();
+        self.before.shrink_to_existing();
+        self.weights.shrink_to_existing();
+        self.residency.retain_free(|slot| self.before.has(slot) && self.weights.has(slot));
+        self.num_slots() < num_slots
     }
 
     pub(super) fn slot(&self, key: &PageKey) -> Option<Slot> {
         self.residency.slot(key)
     }
 
-    pub(super) fn keep_weights(&mut self, key: PageKey, weights: Page) {
-        self.spilled_weights.insert(key, weights);
+    pub(super) fn keep_weights(&mut self, key: PageKey, weights: &Page) -> Result<()> {
+        self.spilled_weights.put(key, weights)
     }
 
     /// The stroke is over.
@@ -157,7 +197,7 @@ impl Scratch {
     }
 
     pub(super) fn num_slots(&self) -> usize {
-        self.before.num_slots() as usize
+        self.before.num_slots().min(self.weights.num_slots()) as usize
     }
 
     pub(super) fn size_in_bytes(&self) -> u64 {

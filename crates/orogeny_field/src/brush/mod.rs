@@ -144,7 +144,8 @@ pub enum LevelOnly {
     Fill,
 }
 
-/// A brush with all its parameters, checked. Made from JSON ([`Brush::from_json`]) or by [`Brush::new`] and the fields.
+/// A brush with all its parameters: read from JSON ([`Brush::from_json`]), or made by [`Brush::new`] and the fields and then
+/// looked at by [`Brush::check`] wherever it is used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Brush {
     /// What it does.

@@ -45,6 +45,17 @@ impl Brush {
                 format!("it must be within 0 to the radius, {radius_m} m"),
             ));
         }
+        for (parameter, profile) in [("power", "power"), ("steepness", "sigmoid")] {
+            if let Some(value) = object.get(parameter)
+                && fields.word("profile")? != profile
+            {
+                return Err(fields.refused(
+                    parameter,
+                    value,
+                    format!("it needs `\"profile\": \"{profile}\"`"),
+                ));
+            }
+        }
         let shape = match fields.word("profile")? {
             "power" => ProfileShape::Power { power: fields.number("power")? },
             "linear" => ProfileShape::Linear,
@@ -87,6 +98,14 @@ impl Brush {
             return Err(Error::MissingField { brush: brush_type.name(), field: "height", why });
         }
         Ok(brush)
+    }
+
+    /// Accepts a brush that was made by its fields.
+    ///
+    /// # Errors
+    /// As [`Self::from_json`]: a number that is not finite or out of its range is named.
+    pub fn check(&self) -> Result<()> {
+        Self::from_json(&self.to_json()).map(drop)
     }
 
     /// Writes all parameters that the brush has, so that reading them back gives the same brush.
@@ -262,9 +281,30 @@ mod tests {
             (r#"{"type": "raise", "falloff": 51}"#, "falloff"),
             (r#"{"type": "raise", "profile": "cone"}"#, "cone"),
             (r#"{"type": "set_height"}"#, "height"),
+            (r#"{"type": "raise", "power": 3}"#, "profile"),
+            (r#"{"type": "raise", "profile": "power", "steepness": 3}"#, "sigmoid"),
         ] {
             let err = parse(text).unwrap_err().to_string();
             assert!(err.contains(word), "{text}: {err}");
+        }
+    }
+
+    #[test]
+    fn a_brush_made_by_its_fields_is_checked_like_one_that_was_read() {
+        let good = Brush::new(BrushType::Level, 50.0, 0.5);
+        assert_eq!(good.check(), Ok(()));
+        for bad in [f64::NAN, f64::INFINITY, -1.0] {
+            for (brush, field) in [
+                (Brush { radius_m: bad, ..good.clone() }, "radius"),
+                (Brush { falloff_m: bad, ..good.clone() }, "falloff"),
+                (Brush { strength: bad, ..good.clone() }, "strength"),
+                (Brush { spacing: bad, ..good.clone() }, "spacing"),
+                (Brush { shape: ProfileShape::Power { power: bad }, ..good.clone() }, "power"),
+                (Brush { height_m: Some((bad * 1.0e30) as f32), ..good.clone() }, "height"),
+            ] {
+                let err = brush.check().unwrap_err().to_string();
+                assert!(err.contains(field), "{bad}: {err}");
+            }
         }
     }
 

@@ -1,0 +1,54 @@
+//! Two programs on one terrain, one after the other: neither may undo what the other did by writing pages that it remembers.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::path::Path;
+
+use orogeny_engine::{Adapter, Operation, Quiet, Settings, Terrain, TerrainGrid};
+
+fn open(path: &Path) -> Terrain {
+    Terrain::open(path, Settings { adapter: Adapter::Cpu, ..Settings::default() }).unwrap()
+}
+
+fn dab(x_m: f64) -> Operation {
+    let text = format!(
+        r#"{{"op": "stroke", "brush": {{"type": "raise", "radius": 4, "strength": 1}}, "points": [[{x_m}, 20]]}}"#
+    );
+    Operation::from_json_text(&text).unwrap()
+}
+
+#[test]
+fn what_another_writer_did_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("shared.orogeny");
+    let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
+    let grid = TerrainGrid::new(100, 100, 1.0).unwrap();
+    let mut first = Terrain::create(&path, grid, 0.0, settings).unwrap();
+    first.apply(&[dab(10.0)], &mut Quiet).unwrap();
+
+    let mut second = open(&path);
+    second.apply(&[dab(30.0)], &mut Quiet).unwrap();
+    first.apply(&[dab(50.0)], &mut Quiet).unwrap();
+    let heights = |terrain: &Terrain| [10.0, 30.0, 50.0].map(|x_m| terrain.height_m([x_m, 20.0]).unwrap());
+    assert_eq!(heights(&first), [1.0, 1.0, 1.0], "the second dab was overwritten");
+
+    // The last operation, undone, is not the one that `second` remembers.
+    second.undo(1).unwrap();
+    second.apply(&[dab(30.0)], &mut Quiet).unwrap();
+    assert_eq!(heights(&second), [1.0, 2.0, 0.0]);
+    assert_eq!(heights(&first), [1.0, 2.0, 0.0]);
+}
+
+#[test]
+fn what_was_only_tried_leaves_nothing_in_memory_or_on_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tried.orogeny");
+    let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
+    let grid = TerrainGrid::new(100, 100, 1.0).unwrap();
+    let mut terrain = Terrain::create(&path, grid, 0.0, settings).unwrap();
+    terrain.apply(&[dab(10.0)], &mut Quiet).unwrap();
+    assert_eq!(terrain.try_out(&[dab(10.0), dab(10.0)], &mut Quiet).unwrap().len(), 2);
+    terrain.apply(&[dab(10.0)], &mut Quiet).unwrap();
+    assert_eq!(terrain.height_m([10.0, 20.0]).unwrap(), 2.0);
+    assert_eq!(terrain.log().unwrap().len(), 2);
+}
