@@ -1,0 +1,102 @@
+//! The command line: global options and the list of commands. Each command's own arguments lie beside it.
+
+use std::num::NonZeroUsize;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::commands::{apply, brushes, demo, doctor, export, import, info, log, new, redo, render, undo};
+
+/// A GPU brush engine for heightfields: make, import, brush, undo, draw and export terrains.
+#[derive(Debug, Parser)]
+#[command(name = "orogeny", version, propagate_version = true, max_term_width = 120)]
+pub struct CommandLine {
+    /// What holds for every command.
+    #[command(flatten)]
+    pub global: Global,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Options that every command takes.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Global options")]
+pub struct Global {
+    /// What calculates: `auto` (a real GPU, else `cpu`), `cpu` (native code on all cores), `software` (a software driver,
+    /// slow) or a part of an adapter's name; `doctor` lists them
+    #[arg(long, global = true, value_name = "ADAPTER", default_value = "auto")]
+    pub adapter: String,
+    /// Mebibytes of pages that stay in memory or in textures
+    #[arg(long, global = true, value_name = "MIB", default_value_t = 1024, value_parser = clap::value_parser!(u64).range(1..=1 << 24))]
+    pub page_budget: u64,
+    /// Threads of the CPU back end [default: one a core]
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Report as one JSON object on standard output; errors as one on standard error
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Say more on standard error: -v what is done, -vv every step
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub verbose: u8,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Make a flat terrain
+    New(new::Arguments),
+    /// Read a file of another program: makes a terrain of it, or writes it into a layer of one
+    Import(import::Arguments),
+    /// Run a recipe: all of its operations or, on an error, none
+    Apply(apply::Arguments),
+    /// Take back the last operations, bit for bit
+    Undo(undo::Arguments),
+    /// Do again what was undone, bit for bit
+    Redo(redo::Arguments),
+    /// List what was done
+    Log(log::Arguments),
+    /// Tell what a terrain is
+    Info(info::Arguments),
+    /// Write heights for another program; the file's ending tells the format
+    Export(export::Arguments),
+    /// Draw a picture
+    Render(render::Arguments),
+    /// List the brushes with their parameters, ranges and defaults
+    Brushes(brushes::Arguments),
+    /// Tell what this machine can do
+    Doctor(doctor::Arguments),
+    /// Do the main job on a real terrain that comes along: import, brush, undo, export, draw
+    Demo(demo::Arguments),
+}
+
+/// Arguments that are well formed and make no sense together.
+#[derive(Debug)]
+pub struct WrongUse(pub &'static str);
+
+impl std::fmt::Display for WrongUse {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+impl std::error::Error for WrongUse {}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_definition_is_sound() {
+        CommandLine::command().debug_assert();
+    }
+
+    #[test]
+    fn global_options_may_stand_on_either_side() {
+        for line in ["orogeny --json --adapter cpu log t", "orogeny log t --json --adapter cpu"] {
+            let line = CommandLine::try_parse_from(line.split(' ')).unwrap();
+            assert!(line.global.json && line.global.adapter == "cpu");
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! `export`: from a terrain to a file of another program.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use orogeny_engine::{ExportOptions, ExportRequest, LayerReference};
+use serde::Serialize;
+
+use crate::output::{text_of, write_notices};
+use crate::progress::ProgressWatch;
+use crate::session::Session;
+use crate::values::{self, Order, Sample};
+
+/// What `export` takes.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The terrain
+    terrain: PathBuf,
+    /// PNG, .r16, .raw, .r32, TIFF, HGT or NPY
+    file: PathBuf,
+    /// A region in metres; its far edges are outside [default: all]
+    #[arg(long, value_name = "X,Z,W,D", value_parser = values::region, allow_hyphen_values = true)]
+    region: Option<[f64; 4]>,
+    /// One layer alone [default: what all of them come to]
+    #[arg(long, value_name = "NAME")]
+    layer: Option<String>,
+    /// Heights in metres that become the samples 0 and 65535 (or 255) of a PNG, .r16 or .raw; kept in a .json beside it
+    #[arg(long, value_name = "LO,HI", value_parser = values::range, allow_hyphen_values = true)]
+    range: Option<[f64; 2]>,
+    /// How a sample is held: u8 or u16 in a PNG, any in a .raw
+    #[arg(long)]
+    sample: Option<Sample>,
+    /// Which byte of a sample comes first in a .raw, .r16 or .r32 [default: little]
+    #[arg(long)]
+    byte_order: Option<Order>,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    terrain: String,
+    file: String,
+    width: u32,
+    depth: u32,
+    notices: Vec<String>,
+    elapsed_s: f64,
+}
+
+/// Exports the heights.
+///
+/// # Errors
+/// When they do not fit the format, or the file cannot be written; it is then as it was.
+pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
+    let start = Instant::now();
+    let request = ExportRequest {
+        file: arguments.file,
+        options: ExportOptions {
+            sample: arguments.sample.map(Into::into),
+            byte_order: arguments.byte_order.map(Into::into),
+            range_m: arguments.range.map(Into::into),
+            ..ExportOptions::default()
+        },
+        layer: arguments.layer.map(LayerReference::Name),
+        region_m: arguments.region,
+    };
+    let terrain = session.open(&arguments.terrain)?;
+    let summary = terrain.export(&request, &mut ProgressWatch::new())?;
+    terrain.close()?;
+    session.output().report(&Report {
+        terrain: text_of(&arguments.terrain),
+        file: text_of(&summary.file),
+        width: summary.width,
+        depth: summary.depth,
+        notices: summary.notices,
+        elapsed_s: start.elapsed().as_secs_f64(),
+    })
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { file, width, depth, elapsed_s, .. } = self;
+        write_notices(f, &self.notices)?;
+        writeln!(f, "wrote {file}: {width} x {depth} samples, in {elapsed_s:.2} s")
+    }
+}

@@ -1,0 +1,83 @@
+//! `info`: what a terrain is.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use clap::Args;
+use indicatif::HumanBytes;
+use orogeny_engine::{Description, HeightStatistics};
+use serde::Serialize;
+
+use crate::output::{count, text_of};
+use crate::progress::ProgressWatch;
+use crate::session::Session;
+
+/// What `info` takes.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The terrain
+    terrain: PathBuf,
+    /// Also the lowest, highest and mean height, for which the whole terrain is read
+    #[arg(long)]
+    heights: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    terrain: String,
+    #[serde(flatten)]
+    description: Description,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heights: Option<HeightStatistics>,
+}
+
+/// Describes the terrain.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
+    let terrain = session.open(&arguments.terrain)?;
+    let description = terrain.describe()?;
+    let heights = match arguments.heights {
+        true => Some(terrain.height_statistics(&mut ProgressWatch::new())?),
+        false => None,
+    };
+    terrain.close()?;
+    session.output().report(&Report { terrain: text_of(&arguments.terrain), description, heights })
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Description { width, depth, spacing_m, width_m, depth_m, page_size, layers, history, .. } =
+            &self.description;
+        writeln!(f, "{}", self.terrain)?;
+        writeln!(
+            f,
+            "size     {width} x {depth} samples, one every {spacing_m} m: {width_m:.0} x {depth_m:.0} m"
+        )?;
+        writeln!(f, "file     {}", HumanBytes(self.description.file_size_in_bytes))?;
+        for layer in layers {
+            let pages = count(layer.num_pages as u64, "page");
+            let hidden = if layer.visible { "" } else { ", hidden" };
+            writeln!(
+                f,
+                "layer    {} `{}`: {pages} of {page_size} x {page_size}, elsewhere {} m, opacity {}{hidden}",
+                layer.id, layer.name, layer.constant_m, layer.opacity
+            )?;
+        }
+        writeln!(
+            f,
+            "history  {} applied, {} undone, {} left behind, {}",
+            history.num_applied,
+            history.num_undone,
+            history.num_branch,
+            HumanBytes(history.delta_bytes)
+        )?;
+        match &self.heights {
+            Some(heights) => {
+                writeln!(f, "heights  {} to {} m, mean {:.3} m", heights.min_m, heights.max_m, heights.mean_m)
+            }
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! The commands, one a file: its arguments, what it does, what it reports.
+
+pub mod apply;
+pub mod brushes;
+pub mod demo;
+pub mod doctor;
+pub mod export;
+pub mod import;
+pub mod info;
+pub mod log;
+pub mod new;
+pub mod redo;
+pub mod render;
+mod travel;
+pub mod undo;
+
+use crate::arguments::Command;
+use crate::session::Session;
+
+/// Runs a command.
+///
+/// # Errors
+/// Why it failed; unless it says otherwise, nothing was changed.
+pub fn run(command: Command, session: &Session) -> anyhow::Result<()> {
+    match command {
+        Command::New(arguments) => new::run(&arguments, session),
+        Command::Import(arguments) => import::run(arguments, session),
+        Command::Apply(arguments) => apply::run(&arguments, session),
+        Command::Undo(arguments) => undo::run(&arguments, session),
+        Command::Redo(arguments) => redo::run(&arguments, session),
+        Command::Log(arguments) => log::run(&arguments, session),
+        Command::Info(arguments) => info::run(&arguments, session),
+        Command::Export(arguments) => export::run(arguments, session),
+        Command::Render(arguments) => render::run(arguments, session),
+        Command::Brushes(arguments) => brushes::run(&arguments, session),
+        Command::Doctor(arguments) => doctor::run(&arguments, session),
+        Command::Demo(arguments) => demo::run(&arguments, session),
+    }
+}

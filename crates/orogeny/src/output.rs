@@ -1,0 +1,81 @@
+//! What is reported, as text or as one JSON object.
+
+use std::fmt::Display;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use serde::Serialize;
+
+/// Where reports go, and in which form.
+#[derive(Debug, Clone, Copy)]
+pub struct Output {
+    json: bool,
+}
+
+impl Output {
+    /// As JSON or as text.
+    pub const fn new(json: bool) -> Self {
+        Self { json }
+    }
+
+    /// What a command did or found.
+    ///
+    /// # Errors
+    /// When standard output cannot be written.
+    pub fn report(self, report: &(impl Serialize + Display)) -> anyhow::Result<()> {
+        let mut out = io::stdout().lock();
+        if self.json {
+            serde_json::to_writer_pretty(&mut out, report)?;
+            writeln!(out)?;
+        } else {
+            write!(out, "{report}")?;
+        }
+        Ok(out.flush()?)
+    }
+
+    /// A line on the way, for people only.
+    ///
+    /// # Errors
+    /// When standard output cannot be written.
+    pub fn line(self, line: &str) -> anyhow::Result<()> {
+        if !self.json {
+            writeln!(io::stdout().lock(), "{line}")?;
+        }
+        Ok(())
+    }
+
+    /// Why the command failed. What cannot be written is lost: there is nowhere left to say so.
+    pub fn error(self, message: &str) {
+        let mut err = io::stderr().lock();
+        if self.json {
+            writeln!(err, "{}", serde_json::json!({ "error": message })).ok();
+        } else {
+            writeln!(err, "error: {message}").ok();
+        }
+    }
+}
+
+/// Whether the reader of standard output has gone away.
+pub fn is_broken_pipe(err: &anyhow::Error) -> bool {
+    let kind = match (err.downcast_ref::<io::Error>(), err.downcast_ref::<serde_json::Error>()) {
+        (Some(err), _) => Some(err.kind()),
+        (None, Some(err)) => err.io_error_kind(),
+        (None, None) => None,
+    };
+    kind == Some(io::ErrorKind::BrokenPipe)
+}
+
+/// A path as a report holds it.
+pub fn text_of(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Notes of the engine, a line each.
+pub fn write_notices(f: &mut std::fmt::Formatter<'_>, notices: &[String]) -> std::fmt::Result {
+    notices.iter().try_for_each(|notice| writeln!(f, "note: {notice}"))
+}
+
+/// A number of things: `1 page`, `2 pages`.
+pub fn count(number: u64, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}

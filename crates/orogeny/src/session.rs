@@ -1,0 +1,60 @@
+//! What all commands share: the settings of the engine and the way to report.
+
+use std::path::Path;
+
+use orogeny_engine::{Adapter, Settings, Terrain};
+use tracing_subscriber::filter::LevelFilter;
+
+use crate::arguments::Global;
+use crate::output::Output;
+
+/// The global options, put to use.
+#[derive(Debug)]
+pub struct Session {
+    settings: Settings,
+    output: Output,
+}
+
+impl Session {
+    /// From the global options. Notes of `-v` go to standard error from here on.
+    pub fn new(global: &Global) -> Self {
+        let level = match global.verbose {
+            0 if global.json => LevelFilter::OFF, // standard error then holds the error alone
+            0 => LevelFilter::WARN,
+            1 => LevelFilter::INFO,
+            _ => LevelFilter::DEBUG,
+        };
+        tracing_subscriber::fmt()
+            .with_max_level(level)
+            .with_writer(std::io::stderr)
+            .without_time()
+            .with_target(false)
+            .init();
+        let user = std::env::var("USER").or_else(|_| std::env::var("USERNAME"));
+        let settings = Settings {
+            adapter: Adapter::from_name(&global.adapter),
+            page_budget_in_bytes: global.page_budget << 20,
+            num_threads: global.threads.map(Into::into),
+            author: user.unwrap_or_default(),
+        };
+        Self { settings, output: Output::new(global.json) }
+    }
+
+    /// How the engine is to work.
+    pub fn settings(&self) -> Settings {
+        self.settings.clone()
+    }
+
+    /// Where reports go.
+    pub const fn output(&self) -> Output {
+        self.output
+    }
+
+    /// Opens a terrain.
+    ///
+    /// # Errors
+    /// As [`Terrain::open`].
+    pub fn open(&self, path: &Path) -> anyhow::Result<Terrain> {
+        Ok(Terrain::open(path, self.settings())?)
+    }
+}

@@ -1,0 +1,128 @@
+//! Values that a user types: sizes, places, regions, ranges and choices.
+
+use std::str::FromStr;
+
+use clap::ValueEnum;
+use orogeny_engine::{ByteOrder, NodataPolicy, SampleType};
+
+/// Two whole numbers, as `4096x2048`.
+///
+/// # Errors
+/// What is wrong and what it must look like, here and below.
+pub fn size<T: FromStr>(text: &str) -> Result<[T; 2], String> {
+    let sides = text.split_once(['x', 'X']).map(|(x, z)| (x.trim().parse(), z.trim().parse()));
+    match sides {
+        Some((Ok(width), Ok(depth))) => Ok([width, depth]),
+        _ => Err("give two whole numbers of samples or pixels, as 4096x2048".to_owned()),
+    }
+}
+
+/// A place in metres, as `X,Z`.
+pub fn place(text: &str) -> Result<[f64; 2], String> {
+    numbers(text, "X,Z")
+}
+
+/// A region in metres, as `X,Z,WIDTH,DEPTH`.
+pub fn region(text: &str) -> Result<[f64; 4], String> {
+    numbers(text, "X,Z,WIDTH,DEPTH")
+}
+
+/// A range of heights in metres, as `LO,HI`.
+pub fn range(text: &str) -> Result<[f64; 2], String> {
+    let [low, high] = numbers(text, "LO,HI")?;
+    if low < high { Ok([low, high]) } else { Err("the first height must be below the second".to_owned()) }
+}
+
+fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
+    let values: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    values
+        .ok()
+        .and_then(|values| <[f64; N]>::try_from(values).ok())
+        .filter(|values| values.iter().all(|value| value.is_finite()))
+        .ok_or_else(|| format!("give {N} numbers of metres, as {form}"))
+}
+
+/// What becomes of samples without a height: `refuse`, `fill`, or a height in metres.
+pub fn nodata(text: &str) -> Result<NodataPolicy, String> {
+    match text {
+        "refuse" => Ok(NodataPolicy::Refuse),
+        "fill" => Ok(NodataPolicy::Fill),
+        number => match number.parse::<f32>() {
+            Ok(height_m) if height_m.is_finite() => Ok(NodataPolicy::Value(height_m)),
+            _ => Err("give `refuse`, `fill` or a height in metres".to_owned()),
+        },
+    }
+}
+
+/// How one sample is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Sample {
+    /// Whole numbers, 0 to 255
+    U8,
+    /// Whole numbers, 0 to 65535
+    U16,
+    /// Whole numbers, -32768 to 32767
+    I16,
+    /// Metres as they are
+    F32,
+}
+
+impl From<Sample> for SampleType {
+    fn from(sample: Sample) -> Self {
+        match sample {
+            Sample::U8 => Self::U8,
+            Sample::U16 => Self::U16,
+            Sample::I16 => Self::I16,
+            Sample::F32 => Self::F32,
+        }
+    }
+}
+
+/// Which byte of a sample comes first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Order {
+    /// The least significant, as on PCs
+    Little,
+    /// The most significant
+    Big,
+}
+
+impl From<Order> for ByteOrder {
+    fn from(order: Order) -> Self {
+        match order {
+            Order::Little => Self::Little,
+            Order::Big => Self::Big,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_two_whole_numbers() {
+        assert_eq!(size::<u32>("4096x2048"), Ok([4096, 2048]));
+        assert_eq!(size::<u64>("1099511627776X1"), Ok([1 << 40, 1]));
+        for text in ["", "4096", "x", "4096x", "-1x5", "1.5x2", "1x2x3", "4294967296x1"] {
+            assert!(size::<u32>(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn places_regions_and_ranges_are_finite_numbers() {
+        assert_eq!(place("-5, 1e3"), Ok([-5.0, 1000.0]));
+        assert_eq!(region("0,0,10,20.5"), Ok([0.0, 0.0, 10.0, 20.5]));
+        assert_eq!(range("-100,2500"), Ok([-100.0, 2500.0]));
+        assert!(place("1").is_err() && place("1,2,3").is_err() && place("1,NaN").is_err());
+        assert!(region("1,2,3").is_err() && region("0,0,inf,1").is_err());
+        assert!(range("5,5").is_err() && range("6,5").is_err() && range("NaN,5").is_err());
+    }
+
+    #[test]
+    fn nodata_is_a_word_or_a_height() {
+        assert_eq!(nodata("fill"), Ok(NodataPolicy::Fill));
+        assert_eq!(nodata("-12.5"), Ok(NodataPolicy::Value(-12.5)));
+        assert!(nodata("NaN").is_err() && nodata("full").is_err());
+    }
+}
