@@ -28,6 +28,25 @@ pub fn scratch_folder() -> anyhow::Result<PathBuf> {
     Ok(folder)
 }
 
+/// A folder for `XDG_RUNTIME_DIR` that only this user may enter: without one, some drivers complain each time they are
+/// loaded.
+///
+/// # Errors
+///
+/// The folder cannot be made.
+pub fn private_runtime_folder() -> anyhow::Result<PathBuf> {
+    let folder = scratch_folder()?.join("runtime");
+    std::fs::create_dir_all(&folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        std::fs::set_permissions(&folder, std::fs::Permissions::from_mode(0o700))
+            .with_context(|| format!("cannot make the folder {} private", folder.display()))?;
+    }
+    Ok(folder)
+}
+
 /// The cargo that runs xtask, in the workspace's root, with these arguments.
 pub fn cargo<const N: usize>(args: [&str; N]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use anyhow::ensure;
 
-use crate::cargo::{cargo, status, workspace_root};
+use crate::cargo::{cargo, private_runtime_folder, status, workspace_root};
 use crate::setup::{self, Need};
 
 /// Builds the release binary and runs `orogeny ARGS` in the user's current folder; the exit code is the program's.
@@ -48,6 +48,9 @@ pub fn bench(bench_args: &[OsString]) -> anyhow::Result<ExitCode> {
 fn run_release(package: &str, args: &[OsString]) -> anyhow::Result<ExitCode> {
     let mut command = cargo(["run", "--quiet", "--release", "--manifest-path"]);
     command.arg(workspace_root().join("Cargo.toml")).args(["--package", package, "--"]).args(args);
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        command.env("XDG_RUNTIME_DIR", private_runtime_folder()?);
+    }
     if let Ok(folder) = std::env::current_dir() {
         command.current_dir(folder); // paths in the arguments are the user's
     }

@@ -14,13 +14,13 @@
 mod totals;
 
 use std::io::{BufRead, BufReader, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 use anyhow::Context as _;
 
-use crate::cargo::{cargo, scratch_folder, status};
+use crate::cargo::{cargo, private_runtime_folder, scratch_folder, status};
 use crate::setup::{self, Need};
 use totals::Totals;
 
@@ -55,7 +55,7 @@ pub fn run(options: &Options) -> anyhow::Result<ExitCode> {
     }
     let scratch = scratch_folder()?;
     let environment = Environment {
-        runtime_dir: private_folder(&scratch.join("runtime"))?,
+        runtime_dir: private_runtime_folder()?,
         skip_log: scratch.join(format!("skips-{}.log", std::process::id())),
         long: options.long,
     };
@@ -133,18 +133,6 @@ impl Environment {
         }
         command
     }
-}
-
-fn private_folder(folder: &Path) -> anyhow::Result<PathBuf> {
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        std::fs::set_permissions(folder, std::fs::Permissions::from_mode(0o700))
-            .with_context(|| format!("cannot make the folder {} private", folder.display()))?;
-    }
-    Ok(folder.to_owned())
 }
 
 /// What is said at the end.

@@ -1,0 +1,20 @@
+//! The command line as its users have it: the real program, in processes of its own, on real files.
+
+#![allow(
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a test that cannot go on has failed"
+)]
+
+mod backends;
+mod bad_input;
+mod bad_recipes;
+mod cancel;
+mod faults;
+mod history;
+mod job;
+mod machine;
+mod program;
+mod round_trip;
+mod sparse;

@@ -1,0 +1,184 @@
+//! How many instances act on each sample of a plane, and how far apart two back ends may be there.
+
+use orogeny_brush::{Batch, kernels::Stage};
+use orogeny_field::{FalloffFormula, WeightMode};
+use orogeny_reference::amounts;
+
+use crate::{Plane, Tolerance};
+
+/// For each sample of a plane, what reaches it.
+#[derive(Debug)]
+pub struct Reach {
+    width: u32,
+    num_instances: Vec<u32>,
+    sum_of_amounts: Vec<f64>,
+    largest_amplitude: f32,
+    has_transcendentals: bool,
+    /// The target of a blending brush, whose amounts are shares of the way to it.
+    target_m: Option<f32>,
+}
+
+impl Reach {
+    /// What the batches of one operation do to a plane.
+    #[must_use]
+    pub fn of(batches: &[Batch], plane: &Plane) -> Self {
+        let num_samples = plane.samples().len();
+        let mut reach = Self {
+            width: plane.width(),
+            num_instances: vec![0; num_samples],
+            sum_of_amounts: vec![0.0; num_samples],
+            largest_amplitude: 0.0,
+            has_transcendentals: false,
+            target_m: None,
+        };
+        for batch in batches {
+            reach.add(batch, plane);
+        }
+        reach
+    }
+
+    fn add(&mut self, batch: &Batch, plane: &Plane) {
+        let (falloff, mode) = (&batch.pass.falloff, batch.pass.weight_mode);
+        self.target_m = (batch.pass.stage == Stage::Level).then_some(batch.pass.target_height_m);
+        self.has_transcendentals |= mode == WeightMode::BuildUp
+            || matches!(
+                falloff.formula,
+                FalloffFormula::Gauss | FalloffFormula::Power | FalloffFormula::Sigmoid
+            );
+        for (instance, bound) in batch.instances.iter().zip(&batch.bounds) {
+            self.largest_amplitude = self.largest_amplitude.max(instance.amplitude.abs());
+            let mut row = vec![0.0; bound.width() as usize];
+            for z in bound.z0..bound.z1 {
+                amounts::row(&mut row, bound.x0, z, instance, falloff, mode);
+                let first = plane.index(bound.x0.cast_unsigned(), z.cast_unsigned());
+                for (x, amount) in (bound.x0..).zip(&row) {
+                    let along = |place: i32, cell: i32, fraction: f32| {
+                        f64::from(place) - f64::from(cell) - f64::from(fraction)
+                    };
+                    let [cell_x, cell_z] = instance.cell;
+                    let [fraction_x, fraction_z] = instance.fraction;
+                    let distance = along(x, cell_x, fraction_x).hypot(along(z, cell_z, fraction_z));
+                    // A millionth more than the radius: where rounding decides, a back end may see it either way.
+                    if distance * f64::from(instance.inverse_radius) < 1.000_001 {
+                        let index = first + x.abs_diff(bound.x0) as usize;
+                        self.num_instances[index] += 1;
+                        self.sum_of_amounts[index] += f64::from(amount.abs());
+                    }
+                }
+            }
+        }
+    }
+
+    /// Instances that act on a sample.
+    #[must_use]
+    pub fn num_instances(&self, x: u32, z: u32) -> u32 {
+        self.num_instances[self.index(x, z)]
+    }
+
+    /// Samples that any instance acts on.
+    #[must_use]
+    pub fn num_reached(&self) -> usize {
+        self.num_instances.iter().filter(|num| **num > 0).count()
+    }
+
+    /// The most instances that act on one sample.
+    #[must_use]
+    pub fn most_instances(&self) -> u32 {
+        self.num_instances.iter().copied().max().unwrap_or_default()
+    }
+
+    /// How far apart two back ends may be at a sample whose height went from `before_m` to `after_m`: `(4 + 2 sqrt K)` units
+    /// in the last place of the largest of the two, the amplitude and 1 m for `K` instances, and 4e-6 of the sum of their
+    /// amounts where these take an exponential, a power or a hyperbolic tangent. Amplitude and amounts are in metres: those of
+    /// a blending brush are shares of the way to its target, and count that often. Where no instance acts, not a bit; only a
+    /// denormal may become 0, since a kernel rounds its rectangle up.
+    #[must_use]
+    pub fn tolerance(&self, x: u32, z: u32, before_m: f32, after_m: f32) -> Tolerance {
+        let num_instances = self.num_instances(x, z);
+        if num_instances == 0 {
+            let absolute_m = if before_m.is_subnormal() { f64::from(f32::MIN_POSITIVE) } else { 0.0 };
+            return Tolerance { absolute_m, ..Tolerance::EXACT };
+        }
+        let way_m = |target_m: f32| (target_m - before_m).abs().max((target_m - after_m).abs());
+        let (amplitude_m, metres) = match self.target_m {
+            None => (self.largest_amplitude, 1.0),
+            Some(target_m) => (way_m(target_m), f64::from(way_m(target_m))),
+        };
+        let sum_of_amounts_m = self.sum_of_amounts[self.index(x, z)] * metres;
+        let absolute_m = if self.has_transcendentals { 4.0e-6 * sum_of_amounts_m } else { 0.0 };
+        Tolerance {
+            ulps: 4.0 + 2.0 * f64::from(num_instances).sqrt(),
+            of_m: before_m.abs().max(after_m.abs()).max(amplitude_m).max(1.0),
+            absolute_m,
+        }
+    }
+
+    const fn index(&self, x: u32, z: u32) -> usize {
+        z as usize * self.width as usize + x as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Feed, Operation, plan};
+    use orogeny_field::{
+        Brush, BrushType, FieldId, PageLayout, PointerSample, ProfileShape, SampleRect, Stroke, TerrainGrid,
+    };
+
+    fn reach(operation: &Operation) -> Reach {
+        let layout = PageLayout::new(64).unwrap();
+        let plane = Plane::from_fn(80, 80, |_, _| 0.0);
+        let grid = TerrainGrid::new(80, 80, 1.0).unwrap();
+        let mut store = plane.to_pages(layout, FieldId(0));
+        let feed = Feed { max_batch: 1, ..Feed::WHOLE };
+        Reach::of(&plan(operation, &grid, FieldId(0), &mut store, feed).unwrap(), &plane)
+    }
+
+    fn stroke(shape: ProfileShape, points: &[(f64, f64)]) -> Operation {
+        let brush = Brush { shape, ..Brush::new(BrushType::Raise, 10.0, 8.0) };
+        let points = points.iter().map(|(x, z)| PointerSample::at(*x, *z)).collect();
+        Operation::Stroke(Stroke { brush, seed: 0, points })
+    }
+
+    #[test]
+    fn one_dab_acts_once_within_its_radius_and_nowhere_else() {
+        let reach = reach(&stroke(ProfileShape::Linear, &[(20.0, 30.0)]));
+        assert_eq!((reach.most_instances(), reach.num_instances(29, 30)), (1, 1));
+        assert_eq!(reach.num_instances(31, 30), 0);
+        assert_eq!(reach.tolerance(31, 30, 5.0, 5.0), Tolerance::EXACT);
+        let tolerance = reach.tolerance(20, 30, 5.0, 13.0);
+        assert_eq!(tolerance, Tolerance { ulps: 6.0, of_m: 13.0, absolute_m: 0.0 });
+        assert_eq!(reach.tolerance(20, 30, 0.5, 0.25).of_m, 8.0);
+    }
+
+    #[test]
+    fn a_pass_acts_as_often_as_its_spacing_says() {
+        // A radius of 10 at a quarter of it: 2 * 10 / 2.5 instances reach the centre line.
+        let reach = reach(&stroke(ProfileShape::Gauss, &[(5.0, 40.3), (75.0, 40.3)]));
+        assert!((7..=8).contains(&reach.num_instances(40, 40)), "{}", reach.num_instances(40, 40));
+        let tolerance = reach.tolerance(40, 40, 0.0, 8.0);
+        assert!((tolerance.absolute_m - 4.0e-6 * 8.0).abs() < 1.0e-6, "{tolerance:?}");
+    }
+
+    #[test]
+    fn what_a_blending_brush_does_is_measured_by_the_way_to_its_target() {
+        let Operation::Stroke(mut stroke) = stroke(ProfileShape::Gauss, &[(20.0, 30.0)]) else { panic!() };
+        stroke.brush = Brush { height_m: Some(1000.0), shape: ProfileShape::Gauss, ..stroke.brush };
+        stroke.brush.brush_type = BrushType::SetHeight;
+        stroke.brush.strength = 0.5;
+        let reach = reach(&Operation::Stroke(stroke));
+        let tolerance = reach.tolerance(20, 30, 200.0, 600.0);
+        assert_eq!((tolerance.ulps, tolerance.of_m), (6.0, 800.0));
+        assert!((tolerance.absolute_m - 4.0e-6 * 0.5 * 800.0).abs() < 1.0e-9, "{tolerance:?}");
+    }
+
+    #[test]
+    fn a_fill_acts_once_on_each_sample_of_its_region() {
+        let region = SampleRect::new(10, 20, 80, 70);
+        let brush = Brush::new(BrushType::Raise, 10.0, 8.0);
+        let reach = reach(&Operation::Fill { brush, seed: 0, region });
+        assert_eq!(reach.most_instances(), 1);
+        assert_eq!(reach.num_reached() as u64, region.area());
+    }
+}

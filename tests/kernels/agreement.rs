@@ -1,0 +1,248 @@
+//! The GPU against the CPU on the same work, within section 10 of the kernel specification: any brush, every profile, page
+//! sizes, budgets and terrains, strokes that cross borders and corners and that lie far outside.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use orogeny_brush::{CpuExecutor, Executor, GpuBudget, GpuExecutor};
+use orogeny_field::{
+    Brush, BrushType, Coverage, FieldId, PageLayout, PointerSample, PressureTarget, ProfileShape, SampleRect,
+    Stroke, TerrainGrid,
+};
+use orogeny_gpu::Gpu;
+use orogeny_tests::{
+    Agreement, Feed, Operation, Plane, Random, Reach, Split, compare, gpu, paint, plan, terrain,
+};
+
+/// Each shape with the width of its slope over the radius; the first has a hard edge.
+const PROFILES: [(&str, ProfileShape, f64); 10] = [
+    ("hard edge", ProfileShape::Linear, 0.0),
+    ("linear", ProfileShape::Linear, 1.0),
+    ("smooth", ProfileShape::Smooth, 0.7),
+    ("sphere", ProfileShape::Sphere, 1.0),
+    ("tip", ProfileShape::Tip, 0.6),
+    ("gauss", ProfileShape::Gauss, 1.0),
+    ("power 0.5", ProfileShape::Power { power: 0.5 }, 1.0),
+    ("power 2", ProfileShape::Power { power: 2.0 }, 0.5),
+    ("power 16", ProfileShape::Power { power: 16.0 }, 0.9),
+    ("sigmoid 3", ProfileShape::Sigmoid { steepness: 3.0 }, 1.0),
+];
+
+/// Samples a side of a page, and a terrain of several of them, the last ones cut off by its edge.
+const PAGES: [(u32, [u32; 2]); 3] = [(64, [170, 150]), (256, [290, 270]), (512, [520, 300])];
+
+/// Pages that a budget holds, and layers of a texture array: one layer an array, two arrays of two, and all there is room for.
+const BUDGETS: [(u64, u32); 3] = [(4, 1), (6, 2), (64, 256)];
+
+/// Radii in samples: from where an instance is hardly seen to several pages.
+const RADII: [f64; 6] = [0.6, 1.7, 7.3, 30.0, 90.0, 260.0];
+
+/// A kind of terrain.
+#[derive(Debug, Clone, Copy)]
+pub enum Ground {
+    Random,
+    Extreme,
+    Real,
+}
+
+/// One device and its executors, each made when it is first needed.
+struct BackEnds {
+    gpu: Gpu,
+    executors: HashMap<(usize, usize), (CpuExecutor, GpuExecutor)>,
+}
+
+impl BackEnds {
+    fn of(&mut self, pages: usize, budget: usize) -> &mut (CpuExecutor, GpuExecutor) {
+        self.executors.entry((pages, budget)).or_insert_with(|| {
+            let layout = PageLayout::new(PAGES[pages].0).unwrap();
+            let (num_pages, layers_per_array) = BUDGETS[budget];
+            let budget_in_bytes = num_pages * layout.size_in_bytes();
+            let cpu = CpuExecutor::new(layout, budget_in_bytes, Some(1)).unwrap();
+            let budget = GpuBudget { budget_in_bytes, layers_per_array };
+            (cpu, GpuExecutor::new(self.gpu.clone(), layout, budget).unwrap())
+        })
+    }
+}
+
+/// How often each brush meets each profile, on different pages, with different strokes.
+const NUM_ROUNDS: usize = 2;
+
+/// What came of the cases of one kind.
+#[derive(Debug, Default)]
+struct Figures {
+    worst_share: f64,
+    num_different: usize,
+    num_reached: usize,
+}
+
+impl Figures {
+    fn add(&mut self, compared: &Compared) {
+        self.worst_share = self.worst_share.max(compared.agreement.worst.share());
+        self.num_different += compared.agreement.num_different;
+        self.num_reached += compared.num_reached;
+    }
+}
+
+/// Compares the back ends for each brush, with each profile as a stroke and as a fill, on one kind of ground.
+pub fn assert_back_ends_agree(ground: Ground, brushes: &[(&str, Brush)]) {
+    let mut back_ends = BackEnds { gpu: gpu(), executors: HashMap::new() };
+    let mut figures = BTreeMap::<String, Figures>::new();
+    let (mut num_cases, mut num_changed, mut num_over_pages) = (0, 0, 0);
+    for _ in 0..NUM_ROUNDS {
+        for (name, brush) in brushes {
+            for kind in 0..=PROFILES.len() {
+                let mut random = Random::new(num_cases as u64 * 3 + ground as u64);
+                let profile = PROFILES.get(kind);
+                let operation = |place: &Place, random: &mut Random| match profile {
+                    Some((_, shape, falloff_ratio)) => {
+                        let brush = Brush { shape: *shape, ..brush.clone() };
+                        Operation::Stroke(stroke(&brush, *falloff_ratio, place, random))
+                    }
+                    None => fill(brush, place, random),
+                };
+                let kind = format!("{name}, {}", profile.map_or("fill", |(profile, ..)| profile));
+                let compared = compare_once(&mut back_ends, ground, num_cases, &mut random, operation)
+                    .unwrap_or_else(|err| panic!("{kind}, {ground:?} ground, case {num_cases}: {err}"));
+                num_changed += usize::from(compared.is_changed);
+                num_over_pages += usize::from(compared.num_pages > 1);
+                figures.entry(kind).or_default().add(&compared);
+                num_cases += 1;
+            }
+        }
+    }
+    assert!(!brushes.is_empty());
+    assert_eq!(num_cases, NUM_ROUNDS * brushes.len() * (PROFILES.len() + 1));
+    // Some strokes lie beside the terrain, or move nothing; most do not, and many cross a border.
+    assert!(num_changed * 2 > num_cases, "only {num_changed} of {num_cases} cases changed anything");
+    assert!(num_over_pages * 3 > num_cases, "only {num_over_pages} of {num_cases} cases crossed a border");
+    for (kind, Figures { worst_share, num_different, num_reached }) in figures {
+        println!(
+            "{ground:?}, {kind}: worst {worst_share:.3} of the tolerance, {num_different} of {num_reached} differ"
+        );
+    }
+}
+
+/// What one case showed.
+struct Compared {
+    agreement: Agreement,
+    /// Samples that any instance acts on.
+    num_reached: usize,
+    num_pages: usize,
+    is_changed: bool,
+}
+
+/// Where a case takes place.
+struct Place {
+    grid: TerrainGrid,
+    page_size: u32,
+}
+
+fn compare_once(
+    back_ends: &mut BackEnds,
+    ground: Ground,
+    case: usize,
+    random: &mut Random,
+    operation: impl Fn(&Place, &mut Random) -> Operation,
+) -> Result<Compared, String> {
+    // 10 profiles and a fill by 3, 3 and 6, shifted by the ground: each brush meets all of them.
+    let (pages, budget) = (case % PAGES.len(), (case / PAGES.len() + ground as usize) % BUDGETS.len());
+    let (page_size, [width, depth]) = PAGES[pages];
+    let seed = random.bits();
+    let before = match ground {
+        Ground::Random => terrain::random(width, depth, seed),
+        Ground::Extreme => terrain::extreme(width, depth, seed),
+        Ground::Real => terrain::real(width, depth, (seed % 500) as u32, (seed >> 32) as u32 % 500),
+    };
+    let spacing_m = random.one_of(&[1.0, 0.37, 28.5]);
+    let grid = TerrainGrid::new(width.into(), depth.into(), spacing_m).unwrap();
+    let operation = operation(&Place { grid, page_size }, random);
+    let layout = PageLayout::new(page_size).unwrap();
+    let split = random.one_of(&[Split::Whole, Split::TwoHalves, Split::SampleBySample]);
+    let feed = Feed { split, max_batch: random.one_of(&[1, 5, 64, usize::MAX]) };
+
+    let (cpu, gpu) = back_ends.of(pages, budget);
+    let on = |executor: &mut dyn Executor| {
+        let painted = paint(&before, spacing_m, std::slice::from_ref(&operation), executor, layout, feed);
+        painted.map(|painted| painted.plane).map_err(|err| format!("{err} ({operation:?}, {feed:?})"))
+    };
+    let (expected, found) = (on(cpu)?, on(gpu)?);
+    back_ends.gpu.check().map_err(|err| err.to_string())?;
+
+    let mut store = before.to_pages(layout, FieldId(0));
+    let batches = plan(&operation, &grid, FieldId(0), &mut store, Feed::WHOLE).unwrap();
+    let reach = Reach::of(&batches, &before);
+    untouched(&before, &expected, &reach)?;
+    let agreement =
+        compare::within(&expected, &found, |x, z| reach.tolerance(x, z, before.at(x, z), expected.at(x, z)))
+            .map_err(|mismatch| format!("{mismatch} ({operation:?}, pages of {page_size}, {feed:?})"))?;
+    let pages: BTreeSet<_> =
+        batches.iter().flat_map(|batch| batch.pages.iter().map(|work| work.key)).collect();
+    Ok(Compared {
+        agreement,
+        num_reached: reach.num_reached(),
+        num_pages: pages.len(),
+        is_changed: compare::bit_equal(&before, &expected).is_err(),
+    })
+}
+
+/// Whether what no instance reaches has kept its bits.
+fn untouched(before: &Plane, after: &Plane, reach: &Reach) -> Result<(), String> {
+    let only_outside = Plane::from_fn(before.width(), before.depth(), |x, z| {
+        if reach.num_instances(x, z) == 0 { after.at(x, z) } else { before.at(x, z) }
+    });
+    let outside = compare::within(before, &only_outside, |x, z| {
+        let tolerance = reach.tolerance(x, z, before.at(x, z), before.at(x, z));
+        if reach.num_instances(x, z) == 0 { tolerance } else { orogeny_tests::Tolerance::EXACT }
+    });
+    outside.map(|_| ()).map_err(|mismatch| format!("outside all instances: {mismatch}"))
+}
+
+/// A stroke over a place.
+fn stroke(brush: &Brush, falloff_ratio: f64, place: &Place, random: &mut Random) -> Stroke {
+    let radius = random.one_of(&RADII);
+    let spacing_m = place.grid.spacing_m();
+    let size = [place.grid.width(), place.grid.depth()].map(f64::from);
+    let page = f64::from(place.page_size);
+    // As many steps as keep a software driver's time in bounds.
+    let reach = (radius * 4.0).clamp(20.0, 150.0);
+    let start = random.one_of(&[
+        [page, page],                   // on a corner of four pages
+        [page - 0.5, size[1] / 2.0],    // on a border
+        [size[0] - 1.0, size[1] - 1.0], // on the terrain's last sample
+        [-0.8 * radius, -0.3 * radius], // outside, reaching in
+        [size[0] / 3.0, size[1] + radius * 0.9],
+    ]);
+    let mut position = start;
+    let num_points = random.one_of(&[1, 2, 3, 5, 8]);
+    let points = (0..num_points).map(|_| {
+        let [x, z] = position;
+        position = [x + random.within(-reach, reach) / 2.0, z + random.within(-reach, reach) / 2.0];
+        PointerSample::at(x * spacing_m, z * spacing_m).with_pressure(random.within(0.2, 1.0) as f32)
+    });
+    let points = points.collect();
+    let radius_m = radius * spacing_m;
+    let targets =
+        [PressureTarget::None, PressureTarget::Radius, PressureTarget::Strength, PressureTarget::Both];
+    let brush = Brush {
+        radius_m,
+        falloff_m: radius_m * falloff_ratio,
+        pressure: random.one_of(&targets),
+        strength: strength(brush.brush_type, random),
+        ..brush.clone()
+    };
+    Stroke { brush, seed: random.bits() as u32, points }
+}
+
+fn fill(brush: &Brush, place: &Place, random: &mut Random) -> Operation {
+    let bounds = place.grid.bounds();
+    let [x, z] = [random.within(-20.0, 60.0) as i32, random.within(-20.0, 60.0) as i32];
+    let strength = strength(brush.brush_type, random);
+    let brush = Brush { strength, height_m: brush.height_m.or(Some(412.5)), ..brush.clone() };
+    Operation::Fill { brush, seed: 77, region: SampleRect::new(x, z, bounds.x1 - 30, bounds.z1 + 30) }
+}
+
+fn strength(brush_type: BrushType, random: &mut Random) -> f64 {
+    match brush_type.coverage() {
+        Coverage::Additive => random.one_of(&[0.01, 3.0, 47.3, 4_000.0]),
+        Coverage::Blending => random.one_of(&[0.03, 0.5, 0.9, 1.0]),
+    }
+}

@@ -1,0 +1,38 @@
+//! Ledges, raised and lowered.
+
+use orogeny_field::{Brush, BrushType, LedgeDirection};
+
+use crate::agreement::{Ground, assert_back_ends_agree};
+use crate::numpy::assert_stroke_matches;
+
+fn brushes() -> Vec<(&'static str, Brush)> {
+    let raise = Brush::new(BrushType::Ledge, 1.0, 1.0);
+    let lower = Brush { direction: LedgeDirection::Lower, ..raise.clone() };
+    vec![
+        ("ledge, raise", raise.clone()),
+        ("ledge, raise, given height", Brush { height_m: Some(500.0), ..raise }),
+        ("ledge, lower", lower.clone()),
+        ("ledge, lower, given height", Brush { height_m: Some(-20.5), ..lower }),
+    ]
+}
+
+#[test]
+fn back_ends_agree_on_random_ground() {
+    assert_back_ends_agree(Ground::Random, &brushes());
+}
+
+#[test]
+fn back_ends_agree_on_extreme_ground() {
+    assert_back_ends_agree(Ground::Extreme, &brushes());
+}
+
+#[test]
+fn back_ends_agree_on_real_ground() {
+    assert_back_ends_agree(Ground::Real, &brushes());
+}
+
+#[test]
+fn matches_numpy() {
+    assert_stroke_matches("ledge_raise");
+    assert_stroke_matches("ledge_lower");
+}

@@ -1,0 +1,13 @@
+//! Every brush on both back ends, and both against what NumPy makes of the specification.
+//!
+//! One file a stage; [`agreement`] is the comparison that they share.
+
+#![cfg(test)]
+
+mod agreement;
+mod centre_line;
+mod ledge;
+mod level;
+mod numpy;
+mod raise;
+mod roughen;

@@ -1,0 +1,53 @@
+//! Two processes on one terrain: one writes, both read.
+
+use std::io::{BufRead as _, BufReader, Read as _};
+
+use orogeny_field::PageKey;
+use orogeny_store::{Error, Store};
+
+use crate::support::{acknowledge, acknowledged, assert_whole, child, child_path, create, page};
+
+#[test]
+fn a_second_writer_is_told_and_reads_the_last_commit() {
+    if let Some(path) = child_path() {
+        let mut store = Store::open(&path).unwrap();
+        let key = PageKey::full_resolution(store.layers()[0].heights, 0, 0);
+        let mut transaction = store.begin().unwrap();
+        transaction.write_pages(&[(key, page(2))]).unwrap();
+        acknowledge("locked");
+        // Until the parent closes its end.
+        std::io::stdin().read_to_end(&mut Vec::new()).unwrap();
+        transaction.commit("{}", "child").unwrap();
+        acknowledge("committed");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.orogeny");
+    let mut store = create(&path);
+    let key = PageKey::full_resolution(store.layers()[0].heights, 0, 0);
+    let mut transaction = store.begin().unwrap();
+    transaction.write_pages(&[(key, page(1))]).unwrap();
+    transaction.commit("{}", "parent").unwrap();
+
+    let mut process =
+        child("lock::a_second_writer_is_told_and_reads_the_last_commit", &path).spawn().unwrap();
+    let mut stdout = BufReader::new(process.stdout.take().unwrap());
+    let mut output = Vec::new();
+    while acknowledged(&output) != ["locked"] {
+        assert!(stdout.read_until(b'\n', &mut output).unwrap() > 0, "{}", String::from_utf8_lossy(&output));
+    }
+    let err = store.begin().unwrap_err();
+    assert!(matches!(err, Error::Busy { .. }), "{err}");
+    assert!(err.to_string().contains("written by another process"), "{err}");
+    // Reading goes on, here and for those who come now.
+    assert_eq!(store.load_page(&key).unwrap(), Some(page(1)));
+    assert_eq!(Store::open(&path).unwrap().load_page(&key).unwrap(), Some(page(1)));
+
+    drop(process.stdin.take());
+    stdout.read_to_end(&mut output).unwrap();
+    assert!(process.wait().unwrap().success());
+    assert_eq!(acknowledged(&output), ["locked", "committed"]);
+    assert_eq!(store.load_page(&key).unwrap(), Some(page(2)));
+    assert_eq!(store.undo(2).unwrap().len(), 2);
+    assert_whole(&store);
+}
