@@ -4,31 +4,12 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::sync::OnceLock;
 
 use serde_json::Value;
 
-/// The program under test, built once in the profile of the tests. Cargo tells where it lies.
+/// The program under test, which cargo builds with the tests.
 pub fn binary() -> &'static Path {
-    static BINARY: OnceLock<PathBuf> = OnceLock::new();
-    BINARY.get_or_init(|| {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| env!("CARGO").into());
-        let mut command = Command::new(cargo);
-        command.current_dir(orogeny_tests::repository());
-        command.args(["build", "--package", "orogeny", "--bin", "orogeny", "--message-format", "json"]);
-        if !cfg!(debug_assertions) {
-            command.arg("--release");
-        }
-        let output = command.stderr(Stdio::inherit()).output().unwrap();
-        assert!(output.status.success(), "the program does not build");
-        let messages = String::from_utf8(output.stdout).unwrap();
-        let mut paths = messages.lines().filter_map(|line| {
-            let message: Value = serde_json::from_str(line).ok()?;
-            let is_ours = message["target"]["name"] == "orogeny";
-            message["executable"].as_str().filter(|_| is_ours).map(PathBuf::from)
-        });
-        paths.next_back().unwrap()
-    })
+    Path::new(env!("CARGO_BIN_EXE_orogeny"))
 }
 
 /// A folder of its own, in which the program runs.

@@ -1,6 +1,6 @@
 //! How many instances act on each sample of a plane, and how far apart two back ends may be there.
 
-use orogeny_brush::{Batch, kernels::Stage};
+use orogeny_brush::{Batch, Stage};
 use orogeny_field::{FalloffFormula, WeightMode};
 use orogeny_reference::amounts;
 

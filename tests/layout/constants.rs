@@ -1,6 +1,6 @@
 //! Numbered constants: what Rust passes to a pipeline by number means the same in WGSL.
 
-use orogeny_brush::kernels::Stage;
+use orogeny_brush::Stage;
 use orogeny_field::{FalloffFormula, WeightMode};
 use orogeny_shaders::shader;
 

@@ -8,6 +8,8 @@ mod device_loss;
 mod extremes;
 mod failing_store;
 mod loads;
+#[cfg(target_os = "linux")]
+mod out_of_memory;
 mod splits;
 
 use orogeny_brush::{CpuExecutor, Executor, GpuBudget, GpuExecutor};

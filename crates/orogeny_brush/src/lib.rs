@@ -28,7 +28,7 @@ pub use execute::{Executor, Notices};
 pub use executor_cpu::CpuExecutor;
 pub use executor_gpu::{BrushUniform, GpuBudget, GpuExecutor};
 
-pub use plan::{Batch, PageWork, Pass};
+pub use plan::{Batch, PageWork, Pass, Stage};
 pub use planner::{FillPlan, StrokePlanner};
 pub use sampler::{PlacedSample, StrokeSampler};
 pub use spacing::{Spacing, profile_weight};

@@ -4,7 +4,18 @@ use orogeny_field::{
     Falloff, FieldId, Instance, LedgeDirection, LevelOnly, PageKey, PageLayout, SampleRect, WeightMode,
 };
 
-use crate::kernels::Stage;
+/// A kernel. Several brush types may share one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// `brush/raise`: raise and lower.
+    Raise,
+    /// `brush/ledge`.
+    Ledge,
+    /// `brush/level`: level and set height.
+    Level,
+    /// `brush/roughen`.
+    Roughen,
+}
 
 /// What is the same for all instances of a stroke or fill.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,4 +116,44 @@ pub(crate) fn reaches(instance: &Instance, rect: &SampleRect) -> bool {
     // A millionth more than the radius, for the rounding of the kernels' `f32`.
     let radius = 1.000_001 / f64::from(instance.inverse_radius);
     dx * dx + dz * dz < radius * radius
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_of_a_batch_have_all_of_its_pages_once_and_in_order() {
+        let pass = Pass {
+            stage: Stage::Raise,
+            weight_mode: WeightMode::Direct,
+            falloff: Falloff::HARD_EDGE,
+            field: FieldId(1),
+            target_height_m: 0.0,
+            ledge_direction: LedgeDirection::Raise,
+            level_only: LevelOnly::Both,
+            seed: 0,
+        };
+        let everywhere = Instance {
+            cell: [0, 0],
+            fraction: [0.0, 0.0],
+            inverse_radius: 0.0,
+            amplitude: 1.0,
+            reference_height_m: 0.0,
+            inverse_radius_m: 0.0,
+        };
+        let layout = PageLayout::new(64).unwrap();
+        let bounds = vec![SampleRect::new(10, 10, 300, 200)];
+        let batch = Batch::new(pass, layout, vec![everywhere], bounds);
+        assert_eq!(batch.pages.len(), 20);
+        for max_pages in [1, 7, 20, 100] {
+            let pieces: Vec<_> = batch.clone().split(max_pages).collect();
+            assert_eq!(pieces.len(), 20_usize.div_ceil(max_pages));
+            assert!(
+                pieces.iter().all(|piece| piece.instances == batch.instances && piece.bounds == batch.bounds)
+            );
+            let pages: Vec<_> = pieces.into_iter().flat_map(|piece| piece.pages).collect();
+            assert_eq!(pages, batch.pages);
+        }
+    }
 }

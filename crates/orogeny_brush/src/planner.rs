@@ -6,8 +6,7 @@ use orogeny_field::{
 };
 use orogeny_pages::{HeightProbe, PageStore};
 
-use crate::kernels::Stage;
-use crate::plan::{Batch, Pass};
+use crate::plan::{Batch, Pass, Stage};
 use crate::sampler::{PlacedSample, StrokeSampler};
 use crate::spacing::Spacing;
 use crate::{Error, Result};

@@ -83,8 +83,7 @@ impl TileList {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::Stage;
-    use crate::plan::Pass;
+    use crate::plan::{Pass, Stage};
     use orogeny_field::{Falloff, FieldId, Instance, LedgeDirection, LevelOnly, WeightMode};
     use proptest::prelude::*;
     use std::collections::BTreeSet;

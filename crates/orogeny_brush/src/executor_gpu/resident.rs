@@ -5,9 +5,9 @@ use orogeny_gpu::{Gpu, ReadbackBelt};
 use orogeny_pages::{Admitted, Atlas, AtlasLimits, BoxError, PageStore, Residency, Slot};
 
 use super::ReadbackTag;
-use crate::Result;
 use crate::plan::PageWork;
 use crate::spill::Spill;
+use crate::{Error, Result};
 
 /// Whether the pages of a step could all be given a slot.
 pub(super) enum Resident {
@@ -246,6 +246,9 @@ impl Uploads {
         slot: Slot,
     ) -> Result<()> {
         match page.map_err(orogeny_pages::Error::Source)? {
+            Some(page) if page.size() != self.layout.size() => {
+                return Err(Error::PageSize { expected: self.layout.size(), actual: page.size() });
+            }
             Some(page) => self.samples.extend_from_slice(page.samples()),
             None => self.samples.resize(self.samples.len() + self.layout.num_samples(), constant),
         }

@@ -7,20 +7,7 @@ pub mod roughen;
 
 use orogeny_field::{Brush, BrushType, Instance};
 
-use crate::plan::Pass;
-
-/// A kernel. Several brush types may share one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Stage {
-    /// `brush/raise`: raise and lower.
-    Raise,
-    /// `brush/ledge`.
-    Ledge,
-    /// `brush/level`: level and set height.
-    Level,
-    /// `brush/roughen`.
-    Roughen,
-}
+use crate::plan::{Pass, Stage};
 
 impl Stage {
     /// All of them.
