@@ -7,6 +7,7 @@ mod clamping;
 mod device_loss;
 mod extremes;
 mod failing_store;
+mod hang;
 mod loads;
 #[cfg(target_os = "linux")]
 mod out_of_memory;

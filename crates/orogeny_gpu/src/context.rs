@@ -16,6 +16,7 @@ pub struct Gpu {
     queue: wgpu::Queue,
     description: AdapterDescription,
     troubles: Arc<Mutex<Troubles>>,
+    timeout: Duration,
 }
 
 /// What the driver said outside of any call that could have returned it.
@@ -56,7 +57,14 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             lock(&noted).errors.push(error.to_string())
         }));
-        Ok(Self { device, queue, description, troubles })
+        Ok(Self { device, queue, description, troubles, timeout: TIMEOUT })
+    }
+
+    /// The same device, with another time after which it counts as hung; a minute unless this is said.
+    #[must_use]
+    pub const fn with_timeout(mut self, timeout: Duration) -> Self {
+        self.timeout = timeout;
+        self
     }
 
     /// The device.
@@ -110,9 +118,9 @@ impl Gpu {
     }
 
     fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
-        let waited = self.device.poll(wgpu::PollType::Wait { submission_index, timeout: Some(TIMEOUT) });
+        let waited = self.device.poll(wgpu::PollType::Wait { submission_index, timeout: Some(self.timeout) });
         self.check()?;
-        waited.map(|_| ()).map_err(|_| Error::Timeout { timeout_s: TIMEOUT.as_secs() })
+        waited.map(|_| ()).map_err(|_| Error::Timeout { timeout_s: self.timeout.as_secs_f32() })
     }
 
     /// A buffer.

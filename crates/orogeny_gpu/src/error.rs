@@ -4,7 +4,7 @@
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// A failure of the GPU, its driver or the work given to it.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// There is no such adapter. Choose one that `doctor` lists, install a driver, or use the CPU back end.
@@ -51,7 +51,7 @@ pub enum Error {
     #[error("the GPU did not finish within {timeout_s} s")]
     Timeout {
         /// How long it was waited for.
-        timeout_s: u64,
+        timeout_s: f32,
     },
     /// A kernel that was not embedded.
     #[error("there is no kernel `{stem}`")]
