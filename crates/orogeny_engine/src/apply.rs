@@ -217,3 +217,68 @@ fn run_fill(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Adapter, Quiet, Settings};
+    use orogeny_brush::Batch;
+    use orogeny_field::PageKey;
+    use orogeny_pages::PageStore;
+
+    /// An executor whose GPU fails with the first batch.
+    struct Failing(orogeny_gpu::Error);
+
+    impl Executor for Failing {
+        fn description(&self) -> String {
+            "an executor that fails".to_owned()
+        }
+
+        fn run(&mut self, _batch: &Batch, _store: &mut dyn PageStore) -> orogeny_brush::Result<()> {
+            Err(self.0.clone().into())
+        }
+
+        fn finish(&mut self, _store: &mut dyn PageStore) -> orogeny_brush::Result<Notices> {
+            Ok(Notices::default())
+        }
+
+        fn cancel(&mut self) {}
+
+        fn forget(&mut self, _keys: &[PageKey]) {}
+    }
+
+    fn dab() -> Operation {
+        let text =
+            r#"{"op": "stroke", "brush": {"type": "raise", "radius": 4, "strength": 1}, "points": [[8, 8]]}"#;
+        Operation::from_json_text(text).unwrap()
+    }
+
+    fn terrain_on(folder: &tempfile::TempDir, error: orogeny_gpu::Error) -> Terrain {
+        let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
+        let grid = TerrainGrid::new(64, 64, 1.0).unwrap();
+        let mut terrain = Terrain::create(&folder.path().join("t.orogeny"), grid, 0.0, settings).unwrap();
+        terrain.set_executor(Box::new(Failing(error)));
+        terrain
+    }
+
+    #[test]
+    fn what_a_lost_device_left_undone_is_done_again_on_a_new_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let lost = orogeny_gpu::Error::DeviceLost { adapter: "a".to_owned(), reason: "b".to_owned() };
+        let mut terrain = terrain_on(&folder, lost);
+        assert_eq!(terrain.apply(&[dab(), dab()], &mut Quiet).unwrap().len(), 2);
+        assert_eq!(terrain.height_m([8.0, 8.0]).unwrap(), 2.0);
+        assert_eq!(terrain.log().unwrap().len(), 2);
+    }
+
+    #[test]
+    fn a_hung_device_is_told_and_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut terrain = terrain_on(&folder, orogeny_gpu::Error::Timeout { timeout_s: 60.0 });
+        let err = terrain.apply(&[dab()], &mut Quiet).unwrap_err();
+        assert!(err.to_string().contains("60"), "{err}");
+        assert_eq!(terrain.height_m([8.0, 8.0]).unwrap(), 0.0);
+        terrain.apply(&[dab()], &mut Quiet).unwrap();
+        assert_eq!(terrain.height_m([8.0, 8.0]).unwrap(), 1.0);
+    }
+}

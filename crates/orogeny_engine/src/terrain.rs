@@ -307,6 +307,11 @@ impl Terrain {
         Ok((&mut self.store, executor.as_mut()))
     }
 
+    #[cfg(test)]
+    pub(crate) fn set_executor(&mut self, executor: Box<dyn Executor>) {
+        self.executor = Some(executor);
+    }
+
     pub(crate) fn drop_executor(&mut self) {
         self.executor = None;
     }
