@@ -99,6 +99,8 @@ fn summary(operation: &Value) -> String {
     if let Some(brush) = field("/brush/type").and_then(Value::as_str) {
         line.push_str(&format!(" {brush}"));
     }
+    // A fill has no instances, and for all but one brush no radius.
+    let is_stroke = field("/points").is_some();
     for (what, path, unit) in [
         ("radius", "/brush/radius", " m"),
         ("strength", "/brush/strength", ""),
@@ -106,7 +108,7 @@ fn summary(operation: &Value) -> String {
         ("region", "/region", ""),
         ("file", "/file", ""),
     ] {
-        match field(path) {
+        match field(path).filter(|_| what != "radius" || is_stroke) {
             Some(Value::Number(number)) => {
                 line.push_str(&format!(", {what} {}{unit}", number.as_f64().unwrap_or_default()));
             }
@@ -130,6 +132,9 @@ mod tests {
             "op": "stroke", "layer": 1, "brush": {"type": "raise", "radius": 40.5, "strength": 12.0}, "points": [[1, 2]]
         });
         assert_eq!(summary(&stroke), "stroke raise, radius 40.5 m, strength 12, 1 point");
+        let fill =
+            serde_json::json!({"op": "fill", "brush": {"type": "roughen", "radius": 50.0, "strength": 0.5}});
+        assert_eq!(summary(&fill), "fill roughen, strength 0.5");
         assert_eq!(summary(&serde_json::json!({"op": "import", "file": "a.tif"})), r#"import, file "a.tif""#);
         assert_eq!(summary(&Value::Null), "?");
     }
