@@ -246,3 +246,25 @@ fn strength(brush_type: BrushType, random: &mut Random) -> f64 {
         Coverage::Blending => random.one_of(&[0.03, 0.5, 0.9, 1.0]),
     }
 }
+
+/// The tests that both back ends agree on a stage's brushes, on each kind of ground.
+macro_rules! back_ends_agree {
+    ($brushes:path) => {
+        #[test]
+        fn back_ends_agree_on_random_ground() {
+            $crate::agreement::assert_back_ends_agree($crate::agreement::Ground::Random, &$brushes());
+        }
+
+        #[test]
+        fn back_ends_agree_on_extreme_ground() {
+            $crate::agreement::assert_back_ends_agree($crate::agreement::Ground::Extreme, &$brushes());
+        }
+
+        #[test]
+        fn back_ends_agree_on_real_ground() {
+            $crate::agreement::assert_back_ends_agree($crate::agreement::Ground::Real, &$brushes());
+        }
+    };
+}
+
+pub(crate) use back_ends_agree;

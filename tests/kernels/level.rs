@@ -2,7 +2,7 @@
 
 use orogeny_field::{Blending, Brush, BrushType, LevelOnly};
 
-use crate::agreement::{Ground, assert_back_ends_agree};
+use crate::agreement::back_ends_agree;
 use crate::numpy::assert_stroke_matches;
 
 fn brushes() -> Vec<(&'static str, Brush)> {
@@ -21,20 +21,7 @@ fn brushes() -> Vec<(&'static str, Brush)> {
     ]
 }
 
-#[test]
-fn back_ends_agree_on_random_ground() {
-    assert_back_ends_agree(Ground::Random, &brushes());
-}
-
-#[test]
-fn back_ends_agree_on_extreme_ground() {
-    assert_back_ends_agree(Ground::Extreme, &brushes());
-}
-
-#[test]
-fn back_ends_agree_on_real_ground() {
-    assert_back_ends_agree(Ground::Real, &brushes());
-}
+back_ends_agree!(brushes);
 
 #[test]
 fn matches_numpy() {

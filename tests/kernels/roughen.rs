@@ -2,27 +2,14 @@
 
 use orogeny_field::{Brush, BrushType};
 
-use crate::agreement::{Ground, assert_back_ends_agree};
+use crate::agreement::back_ends_agree;
 use crate::numpy::assert_stroke_matches;
 
 fn brushes() -> Vec<(&'static str, Brush)> {
     vec![("roughen", Brush::new(BrushType::Roughen, 1.0, 1.0))]
 }
 
-#[test]
-fn back_ends_agree_on_random_ground() {
-    assert_back_ends_agree(Ground::Random, &brushes());
-}
-
-#[test]
-fn back_ends_agree_on_extreme_ground() {
-    assert_back_ends_agree(Ground::Extreme, &brushes());
-}
-
-#[test]
-fn back_ends_agree_on_real_ground() {
-    assert_back_ends_agree(Ground::Real, &brushes());
-}
+back_ends_agree!(brushes);
 
 #[test]
 fn matches_numpy() {
