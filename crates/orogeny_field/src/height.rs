@@ -35,17 +35,6 @@ pub fn check_height(what: &str, height_m: f32) -> Result<f32> {
     }
 }
 
-/// Accepts heights from outside, with denormals turned to +0.
-///
-/// # Errors
-/// [`Error::Height`] for the first that is not storable; the heights before it may have been changed.
-pub fn check_heights(what: &str, heights_m: &mut [f32]) -> Result<()> {
-    for height_m in heights_m {
-        *height_m = check_height(what, *height_m)?;
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -34,7 +34,7 @@ pub use brush::{
 };
 pub use error::{Error, Result};
 pub use grid::{MAX_SIDE_SAMPLES, MAX_SPACING_M, MIN_SPACING_M, TerrainGrid};
-pub use height::{MAX_HEIGHT_M, check_height, check_heights, is_storable_height, sanitized_height};
+pub use height::{MAX_HEIGHT_M, check_height, is_storable_height, sanitized_height};
 pub use instance::{Instance, WeightMode};
 pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
 pub use rect::SampleRect;

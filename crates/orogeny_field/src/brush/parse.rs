@@ -3,8 +3,8 @@
 use serde_json::{Map, Value};
 
 use super::{
-    Blending, Brush, BrushType, Coverage, LedgeDirection, LevelOnly, Parameter, ParameterKind,
-    PressureTarget, Profile, ProfileShape,
+    Blending, Brush, BrushType, LedgeDirection, LevelOnly, Parameter, ParameterKind, PressureTarget, Profile,
+    ProfileShape,
 };
 use crate::{Error, Result};
 
@@ -153,12 +153,6 @@ impl Brush {
     #[must_use]
     pub fn profile(&self) -> Profile {
         Profile { shape: self.shape, falloff_ratio: self.falloff_m / self.radius_m }
-    }
-
-    /// Whether the stroke keeps one weight for all its instances and applies it to the heights from before it.
-    #[must_use]
-    pub fn is_wash(&self) -> bool {
-        self.brush_type.coverage() == Coverage::Blending && self.blending == Blending::Wash
     }
 }
 
