@@ -204,26 +204,11 @@ fn tint(t: f32) -> [f32; 3] {
     colour
 }
 
-/// Makes temporary files with the permissions that any new file has.
-fn temporary_file() -> tempfile::Builder<'static, 'static> {
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        // The system takes from these what the user's mask says.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder
-}
-
 /// Writes an RGB picture, which appears whole or not at all.
 fn write_png(path: &Path, width: u32, height: u32, pixels: &[u8]) -> Result<()> {
     let failed = |source: std::io::Error| Error::Write { path: path.to_owned(), source };
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut temporary = temporary_file().tempfile_in(folder).map_err(failed)?;
+    let mut temporary =
+        orogeny_formats::temporary_beside(path).map_err(|err| failed(std::io::Error::other(err)))?;
     {
         let mut encoder = png::Encoder::new(BufWriter::new(temporary.as_file_mut()), width, height);
         encoder.set_color(png::ColorType::Rgb);

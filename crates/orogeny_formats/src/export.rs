@@ -215,8 +215,13 @@ fn sidecar(target: &Target, options: &ExportOptions, range_m: (f64, f64)) -> Sid
     }
 }
 
-/// A temporary file in the folder of `path`, with the permissions a new file there would have.
-pub(crate) fn temporary_beside(path: &Path) -> Result<NamedTempFile> {
+/// A temporary file in the folder of `path`, with the permissions a new file there would have: to be written, then
+/// persisted as `path`, so that a file appears there whole or not at all.
+///
+/// # Errors
+///
+/// [`Error::NotFound`] if the folder is not there, [`Error::Io`].
+pub fn temporary_beside(path: &Path) -> Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

@@ -53,7 +53,7 @@ mod source;
 mod write;
 
 pub use error::{Error, Result};
-pub use export::{Export, Exported, create};
+pub use export::{Export, Exported, create, temporary_beside};
 pub use format::{ByteOrder, Direction, Format, SampleType};
 pub use geodesy::{metres_per_degree_of_latitude, metres_per_degree_of_longitude};
 pub use import::{Import, open};
