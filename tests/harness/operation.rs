@@ -1,6 +1,6 @@
 //! Operations on a terrain, fed to an executor in a given way.
 
-use orogeny_brush::{Batch, Executor, FillPlan, Notices, Result, StrokePlanner};
+use orogeny_brush::{Batch, Executor, Notices, Result, StrokePlanner, plan_fill};
 use orogeny_field::{Brush, FieldId, PageLayout, SampleRect, Stroke, TerrainGrid};
 use orogeny_pages::PageStore;
 
@@ -129,8 +129,8 @@ fn for_each_batch(
     let layout = store.layout();
     match operation {
         Operation::Fill { brush, seed, region } => {
-            let mut fill = FillPlan::new(brush, *seed, grid, layout, field, *region)?;
-            while let Some(batch) = fill.next_batch(feed.max_batch) {
+            let fill = plan_fill(brush, *seed, grid, layout, field, *region)?;
+            for batch in fill.split(feed.max_batch) {
                 act(batch, store)?;
             }
         }

@@ -1,7 +1,7 @@
 //! How many instances act on each sample of a plane, and how far apart two back ends may be there.
 
 use orogeny_brush::{Batch, Stage};
-use orogeny_field::{FalloffFormula, WeightMode};
+use orogeny_field::{Falloff, FalloffFormula, Instance, SampleRect, WeightMode};
 use orogeny_reference::amounts;
 
 use crate::{Plane, Tolerance};
@@ -45,25 +45,40 @@ impl Reach {
                 falloff.formula,
                 FalloffFormula::Gauss | FalloffFormula::Power | FalloffFormula::Sigmoid
             );
-        for (instance, bound) in batch.instances.iter().zip(&batch.bounds) {
-            self.largest_amplitude = self.largest_amplitude.max(instance.amplitude.abs());
-            let mut row = vec![0.0; bound.width() as usize];
-            for z in bound.z0..bound.z1 {
-                amounts::row(&mut row, bound.x0, z, instance, falloff, mode);
-                let first = plane.index(bound.x0.cast_unsigned(), z.cast_unsigned());
-                for (x, amount) in (bound.x0..).zip(&row) {
-                    let along = |place: i32, cell: i32, fraction: f32| {
-                        f64::from(place) - f64::from(cell) - f64::from(fraction)
-                    };
-                    let [cell_x, cell_z] = instance.cell;
-                    let [fraction_x, fraction_z] = instance.fraction;
-                    let distance = along(x, cell_x, fraction_x).hypot(along(z, cell_z, fraction_z));
-                    // A millionth more than the radius: where rounding decides, a back end may see it either way.
-                    if distance * f64::from(instance.inverse_radius) < 1.000_001 {
-                        let index = first + x.abs_diff(bound.x0) as usize;
-                        self.num_instances[index] += 1;
-                        self.sum_of_amounts[index] += f64::from(amount.abs());
-                    }
+        // By pages: a batch may be a piece of a larger one, with all of its instances and some of its pages.
+        for work in &batch.pages {
+            for index in &work.instances {
+                let (instance, bound) = (&batch.instances[*index as usize], batch.bounds[*index as usize]);
+                self.add_instance(instance, &bound.intersection(&work.rect), falloff, mode, plane);
+            }
+        }
+    }
+
+    fn add_instance(
+        &mut self,
+        instance: &Instance,
+        rect: &SampleRect,
+        falloff: &Falloff,
+        mode: WeightMode,
+        plane: &Plane,
+    ) {
+        self.largest_amplitude = self.largest_amplitude.max(instance.amplitude.abs());
+        let mut row = vec![0.0; rect.width() as usize];
+        for z in rect.z0..rect.z1 {
+            amounts::row(&mut row, rect.x0, z, instance, falloff, mode);
+            let first = plane.index(rect.x0.cast_unsigned(), z.cast_unsigned());
+            for (x, amount) in (rect.x0..).zip(&row) {
+                let along = |place: i32, cell: i32, fraction: f32| {
+                    f64::from(place) - f64::from(cell) - f64::from(fraction)
+                };
+                let [cell_x, cell_z] = instance.cell;
+                let [fraction_x, fraction_z] = instance.fraction;
+                let distance = along(x, cell_x, fraction_x).hypot(along(z, cell_z, fraction_z));
+                // A millionth more than the radius: where rounding decides, a back end may see it either way.
+                if distance * f64::from(instance.inverse_radius) < 1.000_001 {
+                    let index = first + x.abs_diff(rect.x0) as usize;
+                    self.num_instances[index] += 1;
+                    self.sum_of_amounts[index] += f64::from(amount.abs());
                 }
             }
         }

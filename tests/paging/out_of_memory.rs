@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::process::Command;
 
-use orogeny_brush::{Executor, FillPlan, GpuBudget, GpuExecutor};
+use orogeny_brush::{Executor, GpuBudget, GpuExecutor, plan_fill};
 use orogeny_field::{Brush, BrushType, FieldId, Page, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_pages::{BoxError, PageStore};
 use orogeny_tests::gpu;
@@ -53,10 +53,10 @@ impl PageStore for Looked {
 fn fill(executor: &mut GpuExecutor, layout: PageLayout, strength: f64, region: SampleRect) -> usize {
     let grid = TerrainGrid::new(1 << 16, 1 << 16, 1.0).unwrap();
     let brush = Brush::new(BrushType::Raise, 1.0, strength);
-    let mut plan = FillPlan::new(&brush, 0, &grid, layout, FIELD, region).unwrap();
+    let plan = plan_fill(&brush, 0, &grid, layout, FIELD, region).unwrap();
     let expected_m = 100.0 + strength as f32;
     let mut store = Looked { layout, expected_m, saved: BTreeSet::new() };
-    while let Some(batch) = plan.next_batch(64) {
+    for batch in plan.split(64) {
         executor.run(&batch, &mut store).unwrap();
     }
     executor.finish(&mut store).unwrap();

@@ -210,16 +210,20 @@ impl WorkingPage {
             Some((batch.instances.get(index)?, batch.bounds.get(index)?.intersection(&page_rect)))
         });
         match &mut self.wash {
-            None => instances
-                .map(|(instance, rect)| apply_instance(&mut self.heights, batch, instance, &rect, &page_rect))
-                .sum(),
+            None => {
+                let mut num_clamped = 0;
+                for (instance, rect) in instances {
+                    let heights = &mut self.heights;
+                    for_each_row(heights, batch, instance, &rect, &page_rect, |start, heights, amounts| {
+                        num_clamped += u64::from(apply_row(&batch.pass, instance, start, heights, amounts));
+                    });
+                }
+                num_clamped
+            }
             Some(wash) => {
                 for (instance, rect) in instances {
-                    for_each_row(&mut wash.weights, instance, &rect, &page_rect, |start, weights| {
-                        let mut amounts = [0.0; ROW_CHUNK];
-                        let Some(amounts) = amounts.get_mut(..weights.len()) else { return };
-                        let (falloff, mode) = (&batch.pass.falloff, batch.pass.weight_mode);
-                        amounts::row(amounts, start.x, start.z, instance, falloff, mode);
+                    let weights = &mut wash.weights;
+                    for_each_row(weights, batch, instance, &rect, &page_rect, |_, weights, amounts| {
                         amounts::keep_largest(weights, amounts);
                     });
                 }
@@ -252,40 +256,27 @@ impl Wash {
     }
 }
 
-fn apply_instance(
-    heights: &mut Page,
+/// Calls `act` with the samples of a page that may lie within an instance's radius, by rows of at most [`ROW_CHUNK`], and the
+/// instance's amounts there.
+fn for_each_row(
+    page: &mut Page,
     batch: &Batch,
     instance: &Instance,
     rect: &SampleRect,
     page_rect: &SampleRect,
-) -> u64 {
-    let mut num_clamped = 0;
-    for_each_row(heights, instance, rect, page_rect, |start, heights| {
-        let mut amounts = [0.0; ROW_CHUNK];
-        let Some(amounts) = amounts.get_mut(..heights.len()) else { return };
-        amounts::row(amounts, start.x, start.z, instance, &batch.pass.falloff, batch.pass.weight_mode);
-        num_clamped += u64::from(apply_row(&batch.pass, instance, start, heights, amounts));
-    });
-    num_clamped
-}
-
-/// Calls `act` with the samples of a page that may lie within an instance's radius, by rows of at most [`ROW_CHUNK`].
-fn for_each_row(
-    page: &mut Page,
-    instance: &Instance,
-    rect: &SampleRect,
-    page_rect: &SampleRect,
-    mut act: impl FnMut(RowStart, &mut [f32]),
+    mut act: impl FnMut(RowStart, &mut [f32], &[f32]),
 ) {
+    let mut amounts = [0.0; ROW_CHUNK];
     for z in rect.z0..rect.z1 {
         let (x0, x1) = chord(instance, rect, z);
         let columns = (x0.abs_diff(page_rect.x0), x1.abs_diff(page_rect.x0));
         let Some(row) = page.row_mut(z.abs_diff(page_rect.z0), columns.0, columns.1) else { continue };
         let mut x = x0;
         for chunk in row.chunks_mut(ROW_CHUNK) {
-            let length = chunk.len() as i32;
-            act(RowStart { x, z }, chunk);
-            x += length;
+            let Some(amounts) = amounts.get_mut(..chunk.len()) else { continue };
+            amounts::row(amounts, x, z, instance, &batch.pass.falloff, batch.pass.weight_mode);
+            act(RowStart { x, z }, chunk, amounts);
+            x += chunk.len() as i32;
         }
     }
 }

@@ -29,7 +29,7 @@ pub use executor_cpu::CpuExecutor;
 pub use executor_gpu::{BrushUniform, GpuBudget, GpuExecutor};
 
 pub use plan::{Batch, PageWork, Pass, Stage};
-pub use planner::{FillPlan, StrokePlanner};
+pub use planner::{StrokePlanner, plan_fill};
 pub use sampler::{PlacedSample, StrokeSampler};
-pub use spacing::{Spacing, profile_weight};
-pub use tiles::{TILE_SIDE, Tile, TileList};
+pub use spacing::Spacing;
+pub use tiles::Tile;

@@ -88,7 +88,8 @@ impl Batch {
 }
 
 impl Batch {
-    /// The same work in pieces of at most `max_pages` pages each, which may be run one after another.
+    /// The same work in pieces of at most `max_pages` pages each, which may be run one after another. A piece has all of the
+    /// batch's instances and bounds; its pages say what of them is to be done.
     pub fn split(mut self, max_pages: usize) -> impl Iterator<Item = Self> {
         let mut rest = std::mem::take(&mut self.pages).into_iter();
         std::iter::from_fn(move || {

@@ -1,8 +1,8 @@
 //! From a brush and places to batches: strength, pressure, heights found under the stroke.
 
 use orogeny_field::{
-    Blending, Brush, Coverage, Falloff, FieldId, Instance, MAX_HEIGHT_M, PageKey, PageLayout, PointerSample,
-    SampleRect, TerrainGrid, WeightMode,
+    Blending, Brush, Coverage, Falloff, FieldId, Instance, PageLayout, PointerSample, SampleRect,
+    TerrainGrid, WeightMode,
 };
 use orogeny_pages::{HeightProbe, PageStore};
 
@@ -96,7 +96,8 @@ impl StrokePlanner {
     /// a stroke runs outside the terrain for long.
     ///
     /// # Errors
-    /// [`Error::TooManyInstances`]; [`Error::TooManyPages`] for an absurd radius; [`Error::Pages`] when a height under the stroke cannot be read.
+    /// [`Error::TooManyInstances`]; [`Error::TooManyPages`] for an absurd radius; [`Error::Pages`] when a height under the
+    /// stroke cannot be read.
     pub fn next_batch(&mut self, store: &mut dyn PageStore, max_instances: usize) -> Result<Option<Batch>> {
         let mut instances = Vec::new();
         let mut bounds = Vec::new();
@@ -214,86 +215,52 @@ fn checked_num_pages(layout: PageLayout, rect: SampleRect) -> Result<u64> {
     Ok(num_pages)
 }
 
-/// A brush applied once over a region at full weight, cut into batches of whole pages.
-#[derive(Debug)]
-pub struct FillPlan {
-    pass: Pass,
-    instance: Instance,
+/// Plans a brush applied once at full weight to `region`, which is clipped to the terrain.
+///
+/// # Errors
+/// [`Error::Field`] for a brush with a number that it cannot use, and with [`orogeny_field::Error::MissingField`] for `level`
+/// and `ledge` without a height: there is no stroke to find it under; [`Error::TooManyPages`] for a region beyond what one
+/// operation may change.
+pub fn plan_fill(
+    brush: &Brush,
+    seed: u32,
+    grid: &TerrainGrid,
     layout: PageLayout,
-    /// What of each page is to be filled, from the last page to the first.
-    pages: Vec<SampleRect>,
-}
-
-impl FillPlan {
-    /// Plans a fill of `region`, which is clipped to the terrain.
-    ///
-    /// # Errors
-    /// [`Error::Field`] for a brush with a number that it cannot use, and with
-    /// [`orogeny_field::Error::MissingField`] for `level` and `ledge` without a height: there is no stroke to find it
-    /// under; [`Error::TooManyPages`] for a region beyond what one operation may change.
-    pub fn new(
-        brush: &Brush,
-        seed: u32,
-        grid: &TerrainGrid,
-        layout: PageLayout,
-        field: FieldId,
-        region: SampleRect,
-    ) -> Result<Self> {
-        brush.check()?;
-        let stage = Stage::of(brush.brush_type);
-        let needs_height = stage.needs_reference_height() || stage.needs_target_height();
-        if needs_height && brush.height_m.is_none() {
-            let why = "a fill has no stroke whose ground could give it";
-            let missing =
-                orogeny_field::Error::MissingField { brush: brush.brush_type.name(), field: "height", why };
-            return Err(Error::Field(missing));
-        }
-        let height_m = brush.height_m.unwrap_or_default().clamp(-MAX_HEIGHT_M, MAX_HEIGHT_M);
-        let pass = Pass {
-            stage,
-            weight_mode: WeightMode::Direct,
-            falloff: Falloff::HARD_EDGE,
-            field,
-            target_height_m: height_m,
-            ledge_direction: brush.direction,
-            level_only: brush.only,
-            seed,
-        };
-        let instance = Instance {
-            cell: [0, 0],
-            fraction: [0.0, 0.0],
-            inverse_radius: 0.0,
-            amplitude: (stage.sign(brush) * brush.strength) as f32,
-            reference_height_m: height_m,
-            // Finite for the smallest radius too: 0 m above the reference times infinity would be no number.
-            inverse_radius_m: (1.0 / brush.radius_m).min(f64::from(f32::MAX)) as f32,
-        };
-        let region = region.intersection(&grid.bounds());
-        checked_num_pages(layout, region)?;
-        let mut pages: Vec<_> = layout
-            .pages_in(region)
-            .map(|(x, z)| layout.page_rect(&PageKey::full_resolution(field, x, z)).intersection(&region))
-            .collect();
-        pages.reverse();
-        Ok(Self { pass, instance, layout, pages })
+    field: FieldId,
+    region: SampleRect,
+) -> Result<Batch> {
+    brush.check()?;
+    let stage = Stage::of(brush.brush_type);
+    let needs_height = stage.needs_reference_height() || stage.needs_target_height();
+    if needs_height && brush.height_m.is_none() {
+        let why = "a fill has no stroke whose ground could give it";
+        let missing =
+            orogeny_field::Error::MissingField { brush: brush.brush_type.name(), field: "height", why };
+        return Err(Error::Field(missing));
     }
-
-    /// Pages that are still to be filled.
-    #[must_use]
-    pub fn num_pages_left(&self) -> usize {
-        self.pages.len()
-    }
-
-    /// The next batch of at most `max_pages` pages; `None` at the end.
-    pub fn next_batch(&mut self, max_pages: usize) -> Option<Batch> {
-        let mut bounds = self.pages.split_off(self.pages.len().saturating_sub(max_pages.max(1)));
-        bounds.reverse();
-        if bounds.is_empty() {
-            return None;
-        }
-        let instances = vec![self.instance; bounds.len()];
-        Some(Batch::new(self.pass, self.layout, instances, bounds))
-    }
+    let height_m = brush.height_m.unwrap_or_default();
+    let pass = Pass {
+        stage,
+        weight_mode: WeightMode::Direct,
+        falloff: Falloff::HARD_EDGE,
+        field,
+        target_height_m: height_m,
+        ledge_direction: brush.direction,
+        level_only: brush.only,
+        seed,
+    };
+    let everywhere = Instance {
+        cell: [0, 0],
+        fraction: [0.0, 0.0],
+        inverse_radius: 0.0,
+        amplitude: (stage.sign(brush) * brush.strength) as f32,
+        reference_height_m: height_m,
+        // Finite for the smallest radius too: 0 m above the reference times infinity would be no number.
+        inverse_radius_m: (1.0 / brush.radius_m).min(f64::from(f32::MAX)) as f32,
+    };
+    let region = region.intersection(&grid.bounds());
+    checked_num_pages(layout, region)?;
+    Ok(Batch::new(pass, layout, vec![everywhere], vec![region]))
 }
 
 #[cfg(test)]

@@ -10,8 +10,7 @@ const MAX_RIPPLE: f64 = 0.01;
 const NUM_PHASES: u32 = 64;
 
 /// The weight 0..1 of a profile at `r` = distance / radius, in `f64`: what planning reasons with.
-#[must_use]
-pub fn profile_weight(profile: &Profile, r: f64) -> f64 {
+fn profile_weight(profile: &Profile, r: f64) -> f64 {
     if r >= 1.0 {
         return 0.0;
     }

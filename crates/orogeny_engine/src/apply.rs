@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use orogeny_brush::{Executor, FillPlan, Notices, StrokePlanner};
+use orogeny_brush::{Batch, Executor, Notices, StrokePlanner, plan_fill};
 use orogeny_field::{BrushType, FieldId, PageLayout, Stroke, TerrainGrid};
 use orogeny_store::{EntryId, Transaction};
 
@@ -159,9 +159,9 @@ fn apply_one(
                 Some(region_m) => site.grid.samples_in_region(*region_m)?,
                 None => site.grid.bounds(),
             };
-            FillPlan::new(brush, *seed, &site.grid, site.layout, layer.heights, region)
-                .map_err(Error::from)
-                .and_then(|plan| run_fill(plan, executor, &mut pages, observer))
+            let batch = plan_fill(brush, *seed, &site.grid, site.layout, layer.heights, region)?;
+            let total = batch.pages.len() as u64;
+            run_batch(batch, executor, &mut pages, |done| report(observer, "filling", done, total))
         }
     };
     let result = result.and_then(|()| Ok(executor.finish(&mut pages)?));
@@ -195,25 +195,25 @@ fn run_stroke(
     let mut num_instances = 0;
     while let Some(batch) = planner.next_batch(pages, BATCH_INSTANCES)? {
         num_instances += batch.instances.len() as u64;
-        report(observer, "painting", num_instances, 0)?;
-        for piece in batch.split(BATCH_PAGES) {
-            executor.run(&piece, pages)?;
-            report(observer, "painting", num_instances, 0)?;
-        }
+        run_batch(batch, executor, pages, |_| report(observer, "painting", num_instances, 0))?;
     }
     Ok(())
 }
 
-fn run_fill(
-    mut plan: FillPlan,
+/// Runs a batch piece by piece. `tell` gets the pages done so far and may cancel; it is asked before the first piece too, so
+/// that it is asked for a batch without pages.
+fn run_batch(
+    batch: Batch,
     executor: &mut dyn Executor,
     pages: &mut TransactionPages<'_, '_>,
-    observer: &mut dyn Observer,
+    mut tell: impl FnMut(u64) -> Result<()>,
 ) -> Result<()> {
-    let total = plan.num_pages_left() as u64;
-    while let Some(batch) = plan.next_batch(BATCH_PAGES) {
-        executor.run(&batch, pages)?;
-        report(observer, "filling", total - plan.num_pages_left() as u64, total)?;
+    let mut num_done = 0;
+    tell(num_done)?;
+    for piece in batch.split(BATCH_PAGES) {
+        executor.run(&piece, pages)?;
+        num_done += piece.pages.len() as u64;
+        tell(num_done)?;
     }
     Ok(())
 }
@@ -222,7 +222,6 @@ fn run_fill(
 mod tests {
     use super::*;
     use crate::{Adapter, Quiet, Settings};
-    use orogeny_brush::Batch;
     use orogeny_field::PageKey;
     use orogeny_pages::PageStore;
 
