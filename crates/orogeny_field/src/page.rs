@@ -184,6 +184,12 @@ impl Page {
     }
 }
 
+impl AsRef<Self> for Page {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -25,6 +25,7 @@
 pub mod amounts;
 pub mod brush;
 pub mod falloff;
+pub mod field;
 pub mod hash;
 pub mod store;
 pub mod transcendental;

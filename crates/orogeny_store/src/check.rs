@@ -1,10 +1,13 @@
 //! The check of everything: every row, every page, every delta, and whether they fit together.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
-use orogeny_field::PageKey;
+use orogeny_field::{PageKey, SampleRect};
 use rayon::prelude::*;
 
+use crate::head::Head;
+use crate::pyramid::{self, Changed, Plane};
 use crate::rows::SavedLayer;
 use crate::{Error, Result, Store, content};
 
@@ -17,6 +20,8 @@ pub struct CheckReport {
     pub num_entries: u64,
     /// Deltas that were read and decoded.
     pub num_deltas: u64,
+    /// Pieces of data from outside that were read and compared with their names.
+    pub num_blobs: u64,
     /// Everything that is wrong. Empty for a whole terrain.
     pub problems: Vec<Error>,
 }
@@ -25,6 +30,19 @@ pub struct CheckReport {
 const KEYS_PER_READ: u32 = 4096;
 
 impl Store {
+    /// Opens a terrain for reading and checks all of it, whether it holds everything that was acknowledged too.
+    ///
+    /// # Errors
+    /// When the file cannot be opened at all.
+    pub fn check_file(path: &Path) -> Result<CheckReport> {
+        let acknowledged = Head::read(path)?;
+        let store = Self::open_to_read_whatever_was_lost(path)?;
+        let lost = store.document.check_commit(store.path(), acknowledged.as_ref());
+        let mut report = store.check()?;
+        report.keep(lost);
+        Ok(report)
+    }
+
     /// Reads and verifies the whole terrain as it was last committed; memory stays bounded, except for the history's
     /// own list. Damage is no error here: it is what the report lists.
     ///
@@ -38,6 +56,10 @@ impl Store {
             report.problems.extend(lines.into_iter().map(|line| Error::damaged(self.path(), line)));
             let pages = self.check_pages(&mut report);
             report.keep(pages);
+            let levels = self.check_levels(&mut report);
+            report.keep(levels);
+            let blobs = self.check_blobs(&mut report);
+            report.keep(blobs);
             let history = self.check_history(&mut report);
             report.keep(history);
             let fit = self.check_fit(&mut report);
@@ -47,7 +69,7 @@ impl Store {
     }
 
     fn check_pages(&self, report: &mut CheckReport) -> Result<()> {
-        let layout = self.layout();
+        let (grid, layout) = (self.grid(), self.layout());
         let mut last = None;
         loop {
             let keys = self.db.page_keys_after(last, KEYS_PER_READ)?;
@@ -57,10 +79,76 @@ impl Store {
                 report,
                 &keys,
                 |key| self.db.page(layout, key),
-                |page| page.as_ref().map_or(Ok(()), |page| content::decode_page(layout, page).map(|_| ())),
+                |page| {
+                    let Some(page) = page else { return Ok(()) };
+                    let content = content::decode_page(layout, page)?;
+                    let bounds = content::bounds_of(&grid, layout, &page.key, &content.page);
+                    // Above full resolution they are compared with what they are made of.
+                    if page.key.level > 0 || bounds == content.bounds {
+                        return Ok(());
+                    }
+                    Err(Error::damaged_page(page.key, "its lowest and highest height are not what it says"))
+                },
             );
             report.num_pages += keys.len() as u64;
         }
+    }
+
+    /// Whether the pages above full resolution are what those below them make.
+    fn check_levels(&self, report: &mut CheckReport) -> Result<()> {
+        let (grid, layout) = (self.grid(), self.layout());
+        for key in self.db.pages_made_of_nothing()? {
+            report.problems.push(Error::damaged_page(key, "there is nothing below it that it could be made of"));
+        }
+        let mut last = None;
+        loop {
+            let keys = self.db.page_keys_after(last, KEYS_PER_READ)?;
+            let Some(last_key) = keys.last() else { return Ok(()) };
+            last = Some(*last_key);
+            // As if all that is there had just been painted.
+            for level in 1..=layout.top_level(&grid) {
+                let below: Changed = keys
+                    .iter()
+                    .filter(|key| key.level == level - 1)
+                    .map(|key| (*key, layout.page_rect(key).intersection(&grid.bounds_at(key.level))))
+                    .collect();
+                let above = pyramid::pages_above(&grid, layout, level, &below);
+                report.problems.extend(above.keys().filter_map(|key| self.check_made_page(key).err()));
+            }
+        }
+    }
+
+    fn check_made_page(&self, key: &PageKey) -> Result<()> {
+        let plane = Plane { grid: self.grid(), layout: self.layout(), constant: self.stack.constant(key) };
+        let expected = pyramid::made_from_scratch(&self.db, &plane, *key);
+        let found = content::content(&self.db, plane.layout, key);
+        // What is damaged itself is reported as such already.
+        let (Ok(expected), Ok(found)) = (expected, found) else { return Ok(()) };
+        let is_same = match (&expected, &found) {
+            (None, None) => true,
+            (Some(expected), Some(found)) => {
+                let rect = content::changed_rect(
+                    plane.layout,
+                    key,
+                    expected.page.samples(),
+                    found.page.samples(),
+                );
+                rect == SampleRect::EMPTY
+                    && expected.bounds == found.bounds
+                    && expected.revision == found.revision
+            }
+            _ => false,
+        };
+        if is_same { Ok(()) } else { Err(Error::damaged_page(*key, "it is not what the pages below it make")) }
+    }
+
+    fn check_blobs(&self, report: &mut CheckReport) -> Result<()> {
+        for blob in self.db.blobs()? {
+            report.num_blobs += 1;
+            let whole = blob.and_then(|blob| self.copy_blob(&blob, &mut std::io::sink()));
+            report.keep(whole);
+        }
+        Ok(())
     }
 
     fn check_history(&self, report: &mut CheckReport) -> Result<()> {
@@ -95,15 +183,21 @@ impl Store {
     /// Whether pages and layers are what the applied entries left.
     fn check_fit(&self, report: &mut CheckReport) -> Result<()> {
         for (key, is_in_directory) in self.db.pages_that_contradict_the_history()? {
-            let detail = match (is_in_directory, self.db.page_revision(&key)?) {
-                (true, Some(revision)) => {
-                    format!("the history does not lead to its state, that of entry {revision}")
+            let floor = self.db.document()?.floor;
+            let detail = match (is_in_directory, self.db.page_info(&key)?) {
+                // Reported from the directory's side.
+                (false, Some(info)) if info.revision > floor => continue,
+                (_, Some(info)) => {
+                    format!("the history does not lead to its state, that of entry {}", info.revision)
                 }
                 (_, None) => "the history has it, the terrain has not".to_owned(),
-                // Reported from the directory's side.
-                (false, Some(_)) => continue,
             };
             report.problems.push(Error::damaged_page(key, detail));
+        }
+        let (counted, said) = (self.db.history_bytes()?, self.db.document()?.history_bytes);
+        if counted != said {
+            let detail = format!("its history takes {counted} bytes, it says {said}");
+            report.problems.push(Error::damaged(self.path(), detail));
         }
         let mut applied = Vec::new();
         let mut at = Some(self.db.document()?.head);

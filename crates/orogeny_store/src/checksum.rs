@@ -1,6 +1,6 @@
 //! Checksums of rows: 128 bits of blake3 over what a row says, where it stands and which generation it is.
 
-use orogeny_field::PageKey;
+use orogeny_field::{HeightBounds, PageKey};
 
 use crate::EntryId;
 
@@ -49,8 +49,21 @@ impl RowHasher {
 }
 
 /// Of a page's coded bytes, with its place and generation: a page of another place or time does not pass.
-pub(crate) fn of_page(key: &PageKey, revision: EntryId, codec: u8, bytes: &[u8]) -> Checksum {
-    RowHasher::new("page").place(key).number(revision.0.into()).number(codec.into()).bytes(bytes).finish()
+pub(crate) fn of_page(
+    key: &PageKey,
+    revision: EntryId,
+    bounds: &HeightBounds,
+    codec: u8,
+    bytes: &[u8],
+) -> Checksum {
+    RowHasher::new("page")
+        .place(key)
+        .number(revision.0.into())
+        .number(bounds.min_m.to_bits().into())
+        .number(bounds.max_m.to_bits().into())
+        .number(codec.into())
+        .bytes(bytes)
+        .finish()
 }
 
 /// Of a delta's coded bytes, with the entry and the page it belongs to.
@@ -79,20 +92,23 @@ mod tests {
     #[test]
     fn place_generation_and_content_all_count() {
         let key = PageKey { field: FieldId(1), level: 2, z: 3, x: 4 };
-        let plain = of_page(&key, EntryId(5), 1, b"bytes");
+        let flat = HeightBounds::of(6.0);
+        let plain = of_page(&key, EntryId(5), &flat, 1, b"bytes");
         let others = [
-            of_page(&PageKey { field: FieldId(2), ..key }, EntryId(5), 1, b"bytes"),
-            of_page(&PageKey { level: 3, ..key }, EntryId(5), 1, b"bytes"),
-            of_page(&PageKey { z: 4, x: 3, ..key }, EntryId(5), 1, b"bytes"),
-            of_page(&key, EntryId(6), 1, b"bytes"),
-            of_page(&key, EntryId(5), 2, b"bytes"),
-            of_page(&key, EntryId(5), 1, b"byteS"),
+            of_page(&PageKey { field: FieldId(2), ..key }, EntryId(5), &flat, 1, b"bytes"),
+            of_page(&PageKey { level: 3, ..key }, EntryId(5), &flat, 1, b"bytes"),
+            of_page(&PageKey { z: 4, x: 3, ..key }, EntryId(5), &flat, 1, b"bytes"),
+            of_page(&key, EntryId(6), &flat, 1, b"bytes"),
+            of_page(&key, EntryId(5), &HeightBounds { min_m: 5.0, ..flat }, 1, b"bytes"),
+            of_page(&key, EntryId(5), &HeightBounds { max_m: 7.0, ..flat }, 1, b"bytes"),
+            of_page(&key, EntryId(5), &flat, 2, b"bytes"),
+            of_page(&key, EntryId(5), &flat, 1, b"byteS"),
             of_delta(EntryId(5), &key, None, 1, b"bytes"),
         ];
         for other in others {
             assert_ne!(other, plain);
         }
-        assert_eq!(of_page(&key, EntryId(5), 1, b"bytes"), plain);
+        assert_eq!(of_page(&key, EntryId(5), &flat, 1, b"bytes"), plain);
     }
 
     #[test]

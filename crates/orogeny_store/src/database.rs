@@ -3,17 +3,67 @@
 //! Nothing here opens the file beside SQLite: closing such a handle would drop the locks that SQLite holds on it for
 //! the whole process.
 
+use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
 
 use rusqlite::config::DbConfig;
-use rusqlite::{Connection, OpenFlags};
+use rusqlite::{CachedStatement, Connection, OpenFlags};
 
+use crate::cache::PageCache;
 use crate::{Error, Result, format};
 
 /// An open terrain file.
 pub(crate) struct Database {
     pub(crate) conn: Connection,
     path: PathBuf,
+    pub(crate) counters: Counting,
+    /// Pages as they are, decoded. Only a writer keeps any: to a reader they may change at any time.
+    pub(crate) cache: RefCell<PageCache>,
+    is_writer: bool,
+}
+
+/// What a store has asked of its database since it was opened.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Counters {
+    /// Statements run.
+    pub num_queries: u64,
+    /// Pages and deltas read, coded.
+    pub num_pages_read: u64,
+    /// Pages and deltas written, coded.
+    pub num_pages_written: u64,
+    /// Their bytes.
+    pub bytes_read: u64,
+    /// Their bytes.
+    pub bytes_written: u64,
+}
+
+#[derive(Debug, Default)]
+pub(crate) struct Counting(Cell<Counters>);
+
+impl Counting {
+    pub(crate) fn get(&self) -> Counters {
+        self.0.get()
+    }
+
+    pub(crate) fn add(&self, change: impl FnOnce(&mut Counters)) {
+        let mut counters = self.0.get();
+        change(&mut counters);
+        self.0.set(counters);
+    }
+
+    pub(crate) fn read(&self, bytes: &[u8]) {
+        self.add(|counters| {
+            counters.num_pages_read += 1;
+            counters.bytes_read += bytes.len() as u64;
+        });
+    }
+
+    pub(crate) fn wrote(&self, bytes: &[u8]) {
+        self.add(|counters| {
+            counters.num_pages_written += 1;
+            counters.bytes_written += bytes.len() as u64;
+        });
+    }
 }
 
 impl Database {
@@ -41,7 +91,7 @@ impl Database {
     }
 
     fn fill_new_file(path: &Path, fill: impl FnOnce(&Self) -> Result<()>) -> Result<Self> {
-        let db = Self::connect(path)?;
+        let mut db = Self::connect(path)?;
         db.run(format::NEW_FILE_SETTINGS)?;
         db.configure()?;
         db.in_transaction(|| {
@@ -57,33 +107,87 @@ impl Database {
         Ok(db)
     }
 
-    /// Opens a file after looking at its magic and version. A file that is refused is not changed.
-    pub(crate) fn open(path: &Path) -> Result<Self> {
-        let path = absolute(path)?;
-        let metadata = std::fs::metadata(&path).map_err(|err| Error::from_io(&path, &err))?;
-        if metadata.is_dir() {
-            return Err(Error::Directory { path });
-        }
+    /// Opens a file for writing, after looking at its magic and version, which it gives too. A file that is refused is not
+    /// changed. Who may write is for [`crate::head`] to say, before [`Self::configure`].
+    pub(crate) fn open_to_write(path: &Path) -> Result<(Self, i32)> {
+        let path = existing_file(path)?;
         let db = Self::connect(&path)?;
-        db.refuse_foreign_files()?;
-        db.configure()?;
-        Ok(db)
+        let version = db.refuse_foreign_files()?;
+        // SQLite opens a file that it may not write for reading, without a word.
+        if db.conn.is_readonly("main").map_err(|err| db.fault(err))? {
+            let detail = "the file is read-only".to_owned();
+            return Err(Error::ReadOnly { path: db.path, detail });
+        }
+        Ok((db, version))
+    }
+
+    /// Opens a file for reading, beside a writer or not. Nothing of it is changed, not even a log that was left behind.
+    pub(crate) fn open_to_read(path: &Path) -> Result<Self> {
+        let path = existing_file(path)?;
+        let open = |db: Self| {
+            let version = db.refuse_foreign_files()?;
+            if version < format::FORMAT_VERSION {
+                return Err(Error::OlderVersion { path: db.path, version, current: format::FORMAT_VERSION });
+            }
+            db.harden()?;
+            db.run(format::CONNECTION_SETTINGS)?;
+            db.run("PRAGMA query_only = ON")?;
+            Ok(db)
+        };
+        // Where there was a log, it stays for the next writer to take up; where there is none, closing removes the empty
+        // one that reading makes.
+        let has_log = has_log(&path);
+        match Self::connect(&path).and_then(open) {
+            Ok(db) => {
+                if has_log {
+                    db.keep_log()?;
+                }
+                Ok(db)
+            }
+            // In a folder where no log can be made, and where there is none, the file cannot change either.
+            Err(Error::ReadOnly { .. }) if !has_log => Self::connect_unchanging(&path).and_then(open),
+            Err(err) => Err(err),
+        }
     }
 
     fn connect(path: &Path) -> Result<Self> {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let conn = Connection::open_with_flags(path, flags).map_err(|err| Error::from_sqlite(path, err))?;
-        let db = Self { conn, path: path.to_owned() };
+        Self::new(conn, path)
+    }
+
+    fn connect_unchanging(path: &Path) -> Result<Self> {
+        let flags =
+            OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
+        let uri = format!("file:{}?immutable=1", percent_encoded(path));
+        let conn = Connection::open_with_flags(uri, flags).map_err(|err| Error::from_sqlite(path, err))?;
+        Self::new(conn, path)
+    }
+
+    fn new(conn: Connection, path: &Path) -> Result<Self> {
+        let (counters, cache) = (Counting::default(), RefCell::default());
+        let db = Self { conn, path: path.to_owned(), counters, cache, is_writer: false };
         db.conn.busy_timeout(format::BUSY_TIMEOUT).map_err(|err| db.fault(err))?;
+        db.conn.set_prepared_statement_cache_capacity(64);
         Ok(db)
     }
 
-    fn refuse_foreign_files(&self) -> Result<()> {
+    /// Whether decoded pages may be kept: no one else changes them.
+    pub(crate) const fn remembers_pages(&self) -> bool {
+        self.is_writer
+    }
+
+    /// A statement, prepared once and counted each time.
+    pub(crate) fn statement(&self, sql: &str) -> rusqlite::Result<CachedStatement<'_>> {
+        self.counters.add(|counters| counters.num_queries += 1);
+        self.conn.prepare_cached(sql)
+    }
+
+    fn refuse_foreign_files(&self) -> Result<i32> {
         let not_a_terrain = |detail: String| Error::NotATerrain { path: self.path.clone(), detail };
         // Otherwise closing would move a log that belongs to someone else into their file. Where there is none, closing
         // must remove the empty one that looking makes.
-        let has_log = std::fs::metadata(companion(&self.path, "-wal")).is_ok_and(|log| log.len() > 0);
-        self.set_config(DbConfig::SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, has_log)?;
+        self.set_config(DbConfig::SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, has_log(&self.path))?;
         let application_id = self.setting("application_id").map_err(|err| match err {
             rusqlite::Error::SqliteFailure(failure, _)
                 if failure.code == rusqlite::ErrorCode::NotADatabase =>
@@ -111,18 +215,20 @@ impl Database {
             return Err(Error::damaged(&self.path, format!("format version {version} never existed")));
         }
         self.set_config(DbConfig::SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, false)?;
-        Ok(())
+        Ok(version)
     }
 
-    fn configure(&self) -> Result<()> {
+    /// What a file from anywhere may not do to us.
+    fn harden(&self) -> Result<()> {
         self.set_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
         self.set_config(DbConfig::SQLITE_DBCONFIG_ENABLE_TRIGGER, false)?;
-        self.set_config(DbConfig::SQLITE_DBCONFIG_ENABLE_VIEW, false)?;
-        // SQLite opens a file that it may not write for reading, without a word.
-        if self.conn.is_readonly("main").map_err(|err| self.fault(err))? {
-            let detail = "the file is read-only".to_owned();
-            return Err(Error::ReadOnly { path: self.path.clone(), detail });
-        }
+        self.set_config(DbConfig::SQLITE_DBCONFIG_ENABLE_VIEW, false)
+    }
+
+    /// Makes the connection one that writes durably. There is no other one that writes: [`crate::head`] sees to it.
+    pub(crate) fn configure(&mut self) -> Result<()> {
+        self.is_writer = true;
+        self.harden()?;
         self.run(format::CONNECTION_SETTINGS)?;
         let mode: String = self
             .conn
@@ -161,6 +267,8 @@ impl Database {
         if !self.conn.is_autocommit() {
             self.run("ROLLBACK").ok();
         }
+        // What it holds may come from what was taken back.
+        self.cache.borrow_mut().clear();
     }
 
     /// Runs `work` in a transaction of its own: all of it becomes durable, or nothing.
@@ -177,8 +285,19 @@ impl Database {
     pub(crate) fn in_snapshot<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
         self.run("BEGIN DEFERRED")?;
         let result = work();
-        self.rollback();
+        // There is nothing to take back: it ends the snapshot.
+        self.run("ROLLBACK").ok();
         result
+    }
+
+    /// Rewrites the file without what is free in it.
+    pub(crate) fn vacuum(&self) -> Result<()> {
+        self.run("VACUUM")
+    }
+
+    /// Leaves the log where it is when the file is closed: for a disk that cannot be trusted to take what is in it.
+    pub(crate) fn keep_log(&self) -> Result<()> {
+        self.set_config(DbConfig::SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, true)
     }
 
     /// Moves the log into the file itself.
@@ -189,7 +308,7 @@ impl Database {
     /// Checkpoints and closes; SQLite removes the log when no other connection is left.
     pub(crate) fn close(self) -> Result<()> {
         let checkpointed = self.checkpoint();
-        let Self { conn, path } = self;
+        let Self { conn, path, .. } = self;
         let closed = conn.close().map_err(|(_, err)| Error::from_sqlite(&path, err));
         checkpointed.and(closed)
     }
@@ -204,7 +323,8 @@ impl Database {
         Ok(size(&self.path)? + size(&companion(&self.path, "-wal"))?)
     }
 
-    fn run(&self, sql: &str) -> Result<()> {
+    pub(crate) fn run(&self, sql: &str) -> Result<()> {
+        self.counters.add(|counters| counters.num_queries += 1);
         self.conn.execute_batch(sql).map_err(|err| self.fault(err))
     }
 
@@ -224,7 +344,29 @@ fn absolute(path: &Path) -> Result<PathBuf> {
     std::path::absolute(path).map_err(|err| Error::from_io(path, &err))
 }
 
-fn companion(path: &Path, suffix: &str) -> PathBuf {
+/// The absolute path of a file that is there.
+fn existing_file(path: &Path) -> Result<PathBuf> {
+    let path = absolute(path)?;
+    let metadata = std::fs::metadata(&path).map_err(|err| Error::from_io(&path, &err))?;
+    if metadata.is_dir() { Err(Error::Directory { path }) } else { Ok(path) }
+}
+
+/// Whether a terrain has a log with something in it: it is open, or was not closed.
+pub(crate) fn has_log(path: &Path) -> bool {
+    std::fs::metadata(companion(path, "-wal")).is_ok_and(|log| log.len() > 0)
+}
+
+/// A path as SQLite's `file:` names want it: all but the plainest bytes as `%XX`.
+fn percent_encoded(path: &Path) -> String {
+    let is_plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"/._-".contains(byte);
+    let encode = |byte: &u8| {
+        if is_plain(byte) { char::from(*byte).to_string() } else { format!("%{byte:02X}") }
+    };
+    path.as_os_str().as_encoded_bytes().iter().map(encode).collect()
+}
+
+/// The path of a file that belongs to a terrain.
+pub(crate) fn companion(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(suffix);
     PathBuf::from(name)

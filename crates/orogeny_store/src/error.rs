@@ -1,6 +1,7 @@
 //! What can go wrong with a terrain file.
 
 use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use orogeny_field::{FieldId, PageKey};
 use rusqlite::ErrorCode;
@@ -56,6 +57,36 @@ pub enum Error {
         /// [`format::FORMAT_VERSION`].
         supported: i32,
     },
+    /// An older version of Orogeny wrote the file, and it was opened for reading only. Open it for writing once: that brings
+    /// it up to date.
+    #[error(
+        "`{}` has format version {version}, this is {current}: open it for writing once, which brings it up to date",
+        path.display()
+    )]
+    OlderVersion {
+        /// What was opened.
+        path: PathBuf,
+        /// The version found.
+        version: i32,
+        /// [`format::FORMAT_VERSION`].
+        current: i32,
+    },
+    /// The terrain is older than what was last acknowledged: its log lost its end, or the file was replaced by an older
+    /// copy. What is there is whole. `check --repair` goes on with it.
+    #[error(
+        "`{}` lost its last {} commits: it stands at commit {found}, commit {acknowledged} was on disk. Its log is \
+         damaged or missing, or the file was replaced by an older copy. What is there is whole: \
+         `check --repair` goes on from there, `salvage` copies it",
+        path.display(), acknowledged.saturating_sub(*found).max(1)
+    )]
+    LostCommits {
+        /// The terrain.
+        path: PathBuf,
+        /// The last commit found.
+        found: u64,
+        /// The last commit that was acknowledged.
+        acknowledged: u64,
+    },
     /// The file is truncated or damaged in a place that is no page and no history entry. Restore it from a copy.
     #[error("`{}` is damaged: {detail}; restore it from a copy", path.display())]
     Damaged {
@@ -64,9 +95,9 @@ pub enum Error {
         /// What was found.
         detail: String,
     },
-    /// A page cannot be trusted. The others can; undoing or restoring from a copy may bring it back.
+    /// A page cannot be trusted. The others can. `check --repair` makes it again from the history, where that has it.
     #[error(
-        "the page at column {} row {} of level {} of field {} is damaged: {detail}",
+        "the page at column {} row {} of level {} of field {} is damaged: {detail}; `check --repair` may bring it back",
         key.x, key.z, key.level, key.field.0
     )]
     DamagedPage {
@@ -102,12 +133,59 @@ pub enum Error {
         /// The terrain.
         path: PathBuf,
     },
-    /// Another process, or another part of this one, is writing. Try again when it is done.
-    #[error("`{}` is being written by another process: try again when it is done", path.display())]
+    /// Another process, or another part of this one, has it open for writing. Try again when it is done; reading is
+    /// possible meanwhile.
+    #[error(
+        "`{}` is open for writing in {}: close it there, or open it for reading",
+        path.display(), holder.as_ref().map_or_else(|| "another process".to_owned(), ToString::to_string)
+    )]
     Busy {
         /// The terrain.
         path: PathBuf,
+        /// Who has it, where that is known.
+        holder: Option<Holder>,
     },
+    /// The terrain was opened for reading.
+    #[error("`{}` was opened for reading: open it for writing to change it", path.display())]
+    OpenedToRead {
+        /// The terrain.
+        path: PathBuf,
+    },
+    /// The disk failed in mid-commit, so that what it holds is not known until it is read again. Nothing more is written.
+    /// Open the terrain again.
+    #[error(
+        "`{}` is not written to any more, since its disk failed ({detail}): open it again, what was acknowledged is there",
+        path.display()
+    )]
+    DiskFailed {
+        /// The terrain.
+        path: PathBuf,
+        /// What the system said.
+        detail: String,
+    },
+    /// There is no such entry in the history: it never was, or was dropped.
+    #[error("the history has no entry {entry}: `log` lists those there are")]
+    UnknownEntry {
+        /// Which.
+        entry: EntryId,
+    },
+    /// There is no such data from outside.
+    #[error("the terrain does not hold the data {hash}")]
+    UnknownBlob {
+        /// Its blake3 hash, in hexadecimal digits.
+        hash: String,
+    },
+    /// Data from outside could not be read in, or what the terrain holds of it is damaged.
+    #[error("the data {hash} cannot be used: {detail}")]
+    Blob {
+        /// Its blake3 hash, in hexadecimal digits; empty where it is not known yet.
+        hash: String,
+        /// Why.
+        detail: String,
+    },
+    /// The thread that makes operations durable is gone.
+    #[error("the thread that writes the terrain ended unexpectedly: open the terrain again, what was acknowledged is there")]
+    WriterGone,
     /// The system could not read or write.
     #[error("reading or writing `{}` failed: {detail}", path.display())]
     Io {
@@ -161,6 +239,15 @@ pub enum Error {
         /// Rows of pages at that level.
         rows: u32,
     },
+    /// A page of a coarser level, which is made of those below. Write those.
+    #[error(
+        "the page at column {} row {} of level {} cannot be written: it is made of level 0, write that",
+        key.x, key.z, key.level
+    )]
+    DerivedPage {
+        /// Which page.
+        key: PageKey,
+    },
     /// A page of another size than the terrain's.
     #[error(
         "a page of {actual} x {actual} samples was given to a terrain with pages of {expected} x {expected}"
@@ -182,6 +269,12 @@ pub enum Error {
     UnknownField {
         /// Which.
         field: FieldId,
+    },
+    /// A layer that the terrain does not have.
+    #[error("there is no layer {layer}")]
+    UnknownLayer {
+        /// Its id.
+        layer: u32,
     },
     /// A layer name that is empty or too long.
     #[error("a layer name of {length} bytes cannot be used: give 1 to {limit} bytes")]
@@ -211,6 +304,54 @@ pub enum Error {
     /// A value that no terrain holds.
     #[error(transparent)]
     Value(#[from] orogeny_field::Error),
+}
+
+/// Who has a terrain open for writing.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Holder {
+    /// Its process number.
+    pub process: u32,
+    /// The program, as far as it is known.
+    pub program: String,
+    /// The machine, as far as it is known.
+    pub machine: String,
+    /// Since when, in milliseconds since 1970.
+    pub since_unix_ms: i64,
+}
+
+impl Holder {
+    pub(crate) fn this_process() -> Self {
+        let program = std::env::current_exe().ok();
+        let program = program.as_deref().and_then(Path::file_name).unwrap_or_default();
+        // Where the kernel tells it; elsewhere the shell may.
+        let machine = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
+        let machine = machine.or_else(|| std::env::var("COMPUTERNAME").ok()).unwrap_or_default();
+        Self {
+            process: std::process::id(),
+            program: program.to_string_lossy().into_owned(),
+            machine: machine.trim().to_owned(),
+            since_unix_ms: unix_ms(SystemTime::now()),
+        }
+    }
+}
+
+impl std::fmt::Display for Holder {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "process {}", self.process)?;
+        if !self.program.is_empty() {
+            write!(f, " (`{}`)", self.program)?;
+        }
+        if !self.machine.is_empty() {
+            write!(f, " on {}", self.machine)?;
+        }
+        Ok(())
+    }
+}
+
+/// Milliseconds since 1970; 0 for a clock set before that. For people to read: nothing is ordered by it.
+pub(crate) fn unix_ms(time: SystemTime) -> i64 {
+    let since_1970 = time.duration_since(UNIX_EPOCH).unwrap_or_default();
+    i64::try_from(since_1970.as_millis()).unwrap_or(i64::MAX)
 }
 
 fn page_suffix(page: Option<&PageKey>) -> String {
@@ -249,7 +390,7 @@ impl Error {
         let detail = err.to_string();
         match &err {
             rusqlite::Error::SqliteFailure(failure, _) => match failure.code {
-                ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked => Self::Busy { path },
+                ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked => Self::Busy { path, holder: None },
                 ErrorCode::DiskFull => Self::DiskFull { path },
                 // The log's index could not be made longer, which is always for want of space.
                 ErrorCode::SystemIoFailure

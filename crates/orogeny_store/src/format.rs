@@ -5,30 +5,38 @@
 //!
 //! | table | one row is |
 //! | --- | --- |
-//! | `document` | the terrain: grid, page size, the entry that the history stands at, the last ids given out |
-//! | `field` | a sampled plane and the value of its absent pages |
+//! | `document` | the terrain: grid, page size, the number of commits, the entry that the history stands at, the last ids given out, what the history takes and may take |
+//! | `field` | a sampled plane, what it holds and the value of its absent pages |
 //! | `layer` | a layer of the stack as it is now, as JSON |
-//! | `page` | the directory: which pages exist, which entry wrote each, its checksum and where its bytes are |
+//! | `page` | the directory: which pages of which level exist, which entry wrote each, its lowest and highest height, its checksum and where its bytes are |
 //! | `page_data` | the compressed bytes of a page |
 //! | `entry` | an operation of the history; a tree, `next` is the child that redo goes to |
 //! | `delta` | what an entry did to a page: after minus before |
 //! | `layer_change` | what an entry did to a layer: its JSON before and after, NULL where it did not exist |
+//! | `blob`, `blob_chunk` | data from outside, named by its blake3 hash, in compressed pieces |
+//! | `entry_blob` | which entry needs which data to be done again |
 //!
-//! Entry 0 is the terrain as it was made: it holds the first layers and cannot be undone. A page's `revision` is the
-//! entry whose state it holds, so a page that a lost write left behind does not fit its place in the history.
+//! Entry 0 is where undoing ends: the terrain as it was made, or as the oldest entry that was dropped left it. A page's
+//! `revision` is the entry whose state it holds, so a page that a lost write left behind does not fit its place in the
+//! history. Pages above level 0 are made of those below and are in no delta.
+//!
+//! `docs/file-format.md` describes all of it for other programs.
 
 /// `OROG`: bytes 68..72 of the file.
 pub const APPLICATION_ID: i32 = 0x4f52_4f47;
 
 /// The schema below, bytes 60..64 of the file. Files of a newer one are refused.
-pub const FORMAT_VERSION: i32 = 1;
+pub const FORMAT_VERSION: i32 = 2;
 
 /// How terrain files are called: `NAME.orogeny`.
 pub const FILE_EXTENSION: &str = "orogeny";
 
-/// Files that belong to an open terrain, by what is added to its name: the log of SQLite, its index, and the journal
-/// that stands in for them while a terrain is made.
-pub(crate) const COMPANION_SUFFIXES: [&str; 3] = ["-wal", "-shm", "-journal"];
+/// Files that belong to an open terrain, by what is added to its name: the log of SQLite, its index, the journal that
+/// stands in for them while a terrain is made, and the record of the last commit.
+pub(crate) const COMPANION_SUFFIXES: [&str; 4] = ["-wal", "-shm", "-journal", HEAD_SUFFIX];
+
+/// What is added to a terrain's name for the record of its last commit, which also tells who has it open for writing.
+pub(crate) const HEAD_SUFFIX: &str = "-head";
 
 /// How long to wait for another process that writes.
 pub(crate) const BUSY_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(5);
@@ -49,7 +57,7 @@ pub(crate) const CONNECTION_SETTINGS: &str = "
     PRAGMA journal_size_limit = 67108864;
 ";
 
-/// The tables of version 1.
+/// The tables of version 2.
 pub(crate) const SCHEMA: &str = "
     CREATE TABLE document (
         id         INTEGER PRIMARY KEY CHECK (id = 1),
@@ -57,15 +65,20 @@ pub(crate) const SCHEMA: &str = "
         depth      INTEGER NOT NULL,
         spacing_m  REAL NOT NULL,
         page_size  INTEGER NOT NULL,
+        sequence   INTEGER NOT NULL,
         head       INTEGER NOT NULL REFERENCES entry (id) DEFERRABLE INITIALLY DEFERRED,
         last_entry INTEGER NOT NULL,
         last_layer INTEGER NOT NULL,
         last_field INTEGER NOT NULL,
+        floor      INTEGER NOT NULL,
+        history_bytes  INTEGER NOT NULL,
+        history_budget INTEGER,
         checksum   BLOB NOT NULL
     ) STRICT;
 
     CREATE TABLE field (
         id       INTEGER PRIMARY KEY,
+        kind     TEXT NOT NULL,
         constant REAL NOT NULL,
         checksum BLOB NOT NULL
     ) STRICT;
@@ -82,6 +95,8 @@ pub(crate) const SCHEMA: &str = "
         z        INTEGER NOT NULL,
         x        INTEGER NOT NULL,
         revision INTEGER NOT NULL,
+        min_m    REAL NOT NULL,
+        max_m    REAL NOT NULL,
         codec    INTEGER NOT NULL,
         data     INTEGER NOT NULL,
         checksum BLOB NOT NULL,
@@ -105,6 +120,9 @@ pub(crate) const SCHEMA: &str = "
         checksum     BLOB NOT NULL
     ) STRICT;
 
+    CREATE INDEX entry_parent ON entry (parent);
+    CREATE INDEX entry_next ON entry (next);
+
     CREATE TABLE delta (
         id              INTEGER PRIMARY KEY,
         entry           INTEGER NOT NULL REFERENCES entry (id) DEFERRABLE INITIALLY DEFERRED,
@@ -126,5 +144,28 @@ pub(crate) const SCHEMA: &str = "
         after    TEXT,
         checksum BLOB NOT NULL,
         PRIMARY KEY (entry, layer)
+    ) STRICT, WITHOUT ROWID;
+
+    CREATE TABLE blob (
+        id         INTEGER PRIMARY KEY,
+        hash       BLOB NOT NULL UNIQUE,
+        size       INTEGER NOT NULL,
+        num_chunks INTEGER NOT NULL,
+        checksum   BLOB NOT NULL
+    ) STRICT;
+
+    CREATE TABLE blob_chunk (
+        id       INTEGER PRIMARY KEY,
+        blob     INTEGER NOT NULL REFERENCES blob (id),
+        number   INTEGER NOT NULL,
+        checksum BLOB NOT NULL,
+        bytes    BLOB NOT NULL,
+        UNIQUE (blob, number)
+    ) STRICT;
+
+    CREATE TABLE entry_blob (
+        entry INTEGER NOT NULL REFERENCES entry (id) DEFERRABLE INITIALLY DEFERRED,
+        blob  INTEGER NOT NULL REFERENCES blob (id),
+        PRIMARY KEY (entry, blob)
     ) STRICT, WITHOUT ROWID;
 ";

@@ -6,11 +6,13 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use orogeny_field::{PageKey, PageLayout};
+use orogeny_field::{Page, PageKey, SampleRect};
 use rayon::prelude::*;
 
+use crate::cache::Content;
 use crate::database::Database;
-use crate::rows::{DeltaRow, EntryLinks, EntryRow, PageRow};
+use crate::pyramid::{self, Changed, Plane};
+use crate::rows::{DeltaRow, Document, EntryLinks, EntryRow, PageInfo, PageRow};
 use crate::store::Stack;
 use crate::{Error, Result, Store, codec, content};
 
@@ -66,14 +68,16 @@ pub struct Entry {
 /// The history in numbers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct HistorySummary {
+    /// What all of it takes in the file, in bytes: deltas, operations, data from outside.
+    pub size_in_bytes: u64,
+    /// What it may take; the oldest entries go when it comes to more. `None`: there is no limit.
+    pub budget_in_bytes: Option<u64>,
     /// Entries that show.
     pub num_applied: u64,
     /// Entries that redo comes to.
     pub num_undone: u64,
     /// Entries left behind.
     pub num_branch: u64,
-    /// What all of them take in the file, in bytes, operations not counted.
-    pub delta_bytes: u64,
 }
 
 /// What an undo or redo of one entry changed.
@@ -81,6 +85,8 @@ pub struct HistorySummary {
 pub struct Change {
     /// The entry that was undone or redone.
     pub entry: EntryId,
+    /// Which of the two.
+    pub direction: Direction,
     /// The pages that changed, in the order of their keys.
     #[serde(skip)]
     pub pages: Vec<PageKey>,
@@ -88,14 +94,18 @@ pub struct Change {
     pub layers_changed: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Direction {
+/// A way through the history.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    /// Back: the entry no longer shows.
     Undo,
+    /// On: the entry shows again.
     Redo,
 }
 
 /// How all entries hang together.
-struct Tree(BTreeMap<EntryId, EntryLinks>);
+pub(crate) struct Tree(pub(crate) BTreeMap<EntryId, EntryLinks>);
 
 impl Store {
     /// Undoes up to `count` operations, all of them or on an error none; fewer where the history begins. What they did
@@ -105,7 +115,15 @@ impl Store {
     /// [`Error::DamagedHistory`] or [`Error::DamagedPage`] when something needed for it cannot be trusted;
     /// [`Error::Busy`], [`Error::DiskFull`] and the like. The terrain is then as it was.
     pub fn undo(&mut self, count: u32) -> Result<Vec<Change>> {
-        self.travel(Direction::Undo, count)
+        let mut steps = Vec::new();
+        let mut at = self.document.head;
+        while steps.len() < count as usize
+            && let Some(parent) = self.db.entry(at)?.parent
+        {
+            steps.push((at, Direction::Undo));
+            at = parent;
+        }
+        self.travel(&steps)
     }
 
     /// Redoes up to `count` undone operations, as [`Self::undo`] undoes them.
@@ -113,7 +131,25 @@ impl Store {
     /// # Errors
     /// As for [`Self::undo`].
     pub fn redo(&mut self, count: u32) -> Result<Vec<Change>> {
-        self.travel(Direction::Redo, count)
+        let mut steps = Vec::new();
+        let mut at = self.document.head;
+        while steps.len() < count as usize
+            && let Some(next) = self.db.next_of(at)?
+        {
+            steps.push((next, Direction::Redo));
+            at = next;
+        }
+        self.travel(&steps)
+    }
+
+    /// Goes to an entry anywhere in the history, on a branch too: afterwards it is the last one that shows. One entry of the
+    /// answer for each that was undone or redone on the way.
+    ///
+    /// # Errors
+    /// [`Error::UnknownEntry`]; else as for [`Self::undo`].
+    pub fn jump(&mut self, target: EntryId) -> Result<Vec<Change>> {
+        let steps = Tree::load(&self.db)?.way(self.document.head, target)?;
+        self.travel(&steps)
     }
 
     /// All entries, oldest first, whether they show or not.
@@ -150,95 +186,116 @@ impl Store {
     /// When the history cannot be read.
     pub fn history_summary(&self) -> Result<HistorySummary> {
         self.db.in_snapshot(|| {
-            let tree = Tree::load(&self.db)?;
-            let mut summary = HistorySummary::default();
-            for (entry, state) in tree.states(&self.db)? {
+            let document = self.db.document()?;
+            let mut summary = HistorySummary {
+                size_in_bytes: document.history_bytes,
+                budget_in_bytes: document.history_budget,
+                ..HistorySummary::default()
+            };
+            for state in Tree::load(&self.db)?.states(&self.db)?.values() {
                 match state {
                     EntryState::Applied => summary.num_applied += 1,
                     EntryState::Undone => summary.num_undone += 1,
                     EntryState::Branch => summary.num_branch += 1,
                 }
-                summary.delta_bytes += tree.0.get(&entry).map_or(0, |links| links.delta_bytes);
             }
             Ok(summary)
         })
     }
 
-    fn travel(&mut self, direction: Direction, count: u32) -> Result<Vec<Change>> {
+    fn travel(&mut self, steps: &[(EntryId, Direction)]) -> Result<Vec<Change>> {
+        if steps.is_empty() {
+            return Ok(Vec::new());
+        }
+        self.refuse_unless_writable()?;
         self.db.begin()?;
-        let result = self.travel_in_transaction(direction, count);
-        if result.is_err() {
-            self.db.rollback();
-        }
-        result
-    }
-
-    fn travel_in_transaction(&mut self, direction: Direction, count: u32) -> Result<Vec<Change>> {
-        self.refresh()?;
-        let mut document = self.document.clone();
-        let mut changes = Vec::new();
-        for _ in 0..count {
-            let step = match direction {
-                Direction::Undo => self.db.entry(document.head)?.parent.map(|to| (document.head, to)),
-                Direction::Redo => self.db.next_of(document.head)?.map(|to| (to, to)),
-            };
-            let Some((entry, arrival)) = step else { break };
-            changes.push(step_over(&self.db, document.layout, entry, direction)?);
-            document.head = arrival;
-        }
-        self.db.update_document(&document)?;
-        let stack = Stack::load(&self.db)?;
-        self.db.commit()?;
-        self.document = document;
-        self.stack = stack;
-        Ok(changes)
-    }
-}
-
-/// Undoes or redoes one entry: pages, then layers.
-fn step_over(db: &Database, layout: PageLayout, entry: EntryId, direction: Direction) -> Result<Change> {
-    let EntryRow { num_pages, .. } = db.entry(entry)?;
-    let pages = db.delta_keys(entry)?;
-    if pages.len() != num_pages as usize {
-        let detail = format!("it changed {num_pages} pages, the history has {} of them", pages.len());
-        return Err(Error::DamagedHistory { entry, page: None, detail });
-    }
-    for batch in pages.chunks(content::pages_per_batch(layout)) {
-        let read = |key: &PageKey| Ok((db.delta(layout, entry, key)?, db.page(layout, key)?));
-        let rows = batch.iter().map(read).collect::<Result<Vec<_>>>()?;
-        let results = rows
-            .into_par_iter()
-            .map(|(delta, page)| page_after_step(layout, entry, direction, &delta, page))
-            .collect::<Result<Vec<_>>>()?;
-        for (key, page) in batch.iter().zip(results) {
-            match page {
-                Some(page) => db.write_page(&page)?,
-                None => db.delete_page(key)?,
+        match self.travel_in_transaction(steps) {
+            Ok((changes, document, stack)) => self.commit(document, stack).map(|()| changes),
+            Err(err) => {
+                self.db.rollback();
+                Err(err)
             }
         }
     }
-    let layer_changes = db.layer_changes(entry)?;
-    for change in &layer_changes {
-        let state = if direction == Direction::Undo { &change.before } else { &change.after };
-        db.set_layer(change.layer, state.as_deref())?;
+
+    fn travel_in_transaction(&self, steps: &[(EntryId, Direction)]) -> Result<(Vec<Change>, Document, Stack)> {
+        let mut document = self.document.clone();
+        let mut changes = Vec::with_capacity(steps.len());
+        let mut changed = Changed::new();
+        for (entry, direction) in steps {
+            changes.push(self.step_over(*entry, *direction, &mut changed)?);
+            let parent = self.db.entry(*entry)?.parent.unwrap_or(EntryId::CREATION);
+            document.head = match direction {
+                Direction::Undo => parent,
+                Direction::Redo => *entry,
+            };
+            if *direction == Direction::Redo {
+                // Where it came from a branch, redo leads there from now on.
+                self.db.set_next(parent, Some(*entry))?;
+            }
+        }
+        let stack = Stack::load(&self.db)?;
+        pyramid::refresh(&self.db, document.grid, document.layout, |key| stack.constant(key), changed)?;
+        Ok((changes, document, stack))
     }
-    Ok(Change { entry, pages, layers_changed: !layer_changes.is_empty() })
+
+    /// Undoes or redoes one entry: pages, then layers.
+    fn step_over(&self, entry: EntryId, direction: Direction, changed: &mut Changed) -> Result<Change> {
+        let (db, stack) = (&self.db, &self.stack);
+        let Document { grid, layout, .. } = self.document;
+        let EntryRow { num_pages, .. } = db.entry(entry)?;
+        let pages = db.delta_keys(entry)?;
+        if pages.len() != num_pages as usize {
+            let detail = format!("it changed {num_pages} pages, the history has {} of them", pages.len());
+            return Err(Error::DamagedHistory { entry, page: None, detail });
+        }
+        for batch in pages.chunks(content::pages_per_batch(layout)) {
+            let deltas = batch.iter().map(|key| db.delta(layout, entry, key)).collect::<Result<Vec<_>>>()?;
+            let now = content::contents(db, layout, batch)?;
+            let steps = deltas
+                .into_par_iter()
+                .zip(now)
+                .map(|(delta, now)| {
+                    let constant = stack.constant(&delta.key);
+                    page_after_step(&Plane { grid, layout, constant }, entry, direction, &delta, now?)
+                })
+                .collect::<Result<Vec<_>>>()?;
+            for (key, (page, rect)) in batch.iter().zip(steps) {
+                let mut cache = db.cache.borrow_mut();
+                if let Some((row, content)) = page {
+                    db.write_page(&row)?;
+                    cache.put(*key, content);
+                } else {
+                    db.delete_page(key)?;
+                    cache.forget(key);
+                }
+                pyramid::note(changed, *key, &rect);
+            }
+        }
+        let layer_changes = db.layer_changes(entry)?;
+        for change in &layer_changes {
+            let state = if direction == Direction::Undo { &change.before } else { &change.after };
+            db.set_layer(change.layer, state.as_deref())?;
+        }
+        Ok(Change { entry, direction, pages, layers_changed: !layer_changes.is_empty() })
+    }
 }
 
-/// What a page holds once `delta` is taken away or added; `None` where it is then absent.
+/// What a page holds once `delta` is taken away or added, `None` where it is then absent; and which samples of it change.
 fn page_after_step(
-    layout: PageLayout,
+    plane: &Plane,
     entry: EntryId,
     direction: Direction,
     delta: &DeltaRow,
-    page: Option<PageRow>,
-) -> Result<Option<PageRow>> {
+    now: Option<Content>,
+) -> Result<(Option<(PageRow, Content)>, SampleRect)> {
+    let Plane { grid, layout, constant } = *plane;
     let key = delta.key;
     let expected = match direction {
         Direction::Undo => Some(entry),
         Direction::Redo => delta.revision_before,
     };
-    let found = page.as_ref().map(|page| page.revision);
+    let found = now.as_ref().map(|content| content.revision);
     if found != expected {
         let name =
             |revision: Option<EntryId>| revision.map_or("no entry".to_owned(), |r| format!("entry {r}"));
@@ -247,25 +304,63 @@ fn page_after_step(
         return Err(Error::damaged_page(key, detail));
     }
     let change = content::decode_delta(layout, entry, delta)?;
-    let now = page.map(|page| content::decode_page(layout, &page)).transpose()?;
-    let (values, revision) = match (direction, now, delta.revision_before) {
-        (Direction::Undo, Some(now), Some(before)) => (codec::difference(&now, Some(&change)), before),
-        (Direction::Undo, ..) => return Ok(None),
-        (Direction::Redo, Some(now), _) => (codec::sum(&now, &change), entry),
-        (Direction::Redo, None, _) => (change, entry),
+    let ordered_now = now.as_ref().map(|content| codec::ordered_from_page(&content.page));
+    let after = match (direction, ordered_now, delta.revision_before) {
+        (Direction::Undo, Some(now), Some(before)) => Some((codec::difference(&now, Some(&change)), before)),
+        (Direction::Undo, ..) => None,
+        (Direction::Redo, Some(now), _) => Some((codec::sum(&now, &change), entry)),
+        (Direction::Redo, None, _) => Some((change, entry)),
+    };
+    let flat = Page::constant(layout, constant);
+    let before = now.as_ref().map_or(&flat, |content| &content.page);
+    let Some((values, revision)) = after else {
+        return Ok((None, content::changed_rect(layout, &key, before.samples(), flat.samples())));
     };
     content::check_ordered(key, &values)?;
-    content::encode_page(layout, key, revision, &values).map(Some)
+    let page = content::page_from_ordered(layout, &values)?;
+    let rect = content::changed_rect(layout, &key, before.samples(), page.samples());
+    let info = PageInfo { revision, bounds: content::bounds_of(&grid, layout, &key, &page) };
+    let row = content::encode_page(layout, key, info, &values)?;
+    let content = Content { revision, bounds: info.bounds, page: page.into() };
+    Ok((Some((row, content)), rect))
 }
 
 impl Tree {
-    fn load(db: &Database) -> Result<Self> {
+    /// What to undo and redo, in order, to come from one entry to another.
+    fn way(&self, from: EntryId, to: EntryId) -> Result<Vec<(EntryId, Direction)>> {
+        let (mut at, mut down, mut back) = (to, Vec::new(), Vec::new());
+        let mut up = from;
+        if !self.0.contains_key(&to) {
+            return Err(Error::UnknownEntry { entry: to });
+        }
+        // Parents come before their children, so the later of the two is never above the earlier one.
+        while up != at {
+            let later = up.max(at);
+            let parent = self.0.get(&later).and_then(|links| links.parent).filter(|parent| *parent < later);
+            let parent = parent.ok_or_else(|| Error::DamagedHistory {
+                entry: later,
+                page: None,
+                detail: "what it was done on is missing".to_owned(),
+            })?;
+            if later == up {
+                back.push((up, Direction::Undo));
+                up = parent;
+            } else {
+                down.push((at, Direction::Redo));
+                at = parent;
+            }
+        }
+        back.extend(down.into_iter().rev());
+        Ok(back)
+    }
+
+    pub(crate) fn load(db: &Database) -> Result<Self> {
         let links = db.entry_links()?;
         Ok(Self(links.into_iter().map(|links| (links.id, links)).collect()))
     }
 
     /// Of all entries but the creation.
-    fn states(&self, db: &Database) -> Result<BTreeMap<EntryId, EntryState>> {
+    pub(crate) fn states(&self, db: &Database) -> Result<BTreeMap<EntryId, EntryState>> {
         let mut states: BTreeMap<_, _> = self
             .0
             .keys()

@@ -7,6 +7,45 @@ use crate::{Error, Result};
 /// The longest layer name, in bytes of UTF-8.
 pub const MAX_LAYER_NAME_BYTES: usize = 255;
 
+/// What a field's samples mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum FieldKind {
+    /// Heights of a layer, in metres.
+    Heights,
+    /// How much of a layer counts where, 0..1.
+    Mask,
+    /// What is selected, 0..1.
+    Selection,
+}
+
+impl FieldKind {
+    const ALL: [Self; 3] = [Self::Heights, Self::Mask, Self::Selection];
+
+    /// As the `kind` column has it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Heights => "heights",
+            Self::Mask => "mask",
+            Self::Selection => "selection",
+        }
+    }
+
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+}
+
+/// A sampled plane of the terrain.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Field {
+    /// What its samples mean.
+    pub kind: FieldKind,
+    /// What they are where it has no page.
+    pub constant: f32,
+}
+
 /// How a layer's heights join those below it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -44,12 +83,22 @@ pub struct Layer {
     /// Its height wherever it has no page, in metres. The field's, so it is not part of the layer's own record.
     #[serde(skip)]
     pub constant_m: f32,
+    /// The field that holds its mask; `None`: it counts everywhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mask: Option<FieldId>,
     /// Whether it counts.
     pub visible: bool,
     /// How much it counts, 0..1.
     pub opacity: f32,
     /// How it joins the layers below.
     pub blend: Blend,
+}
+
+impl Layer {
+    /// As the file has it: JSON.
+    pub(crate) fn to_state(&self) -> Result<String> {
+        serde_json::to_string(self).map_err(|err| Error::Operation { detail: err.to_string() })
+    }
 }
 
 /// A layer to be made: visible, opaque, added to what is below, on top of the stack.
@@ -64,11 +113,18 @@ pub struct NewLayer {
 impl NewLayer {
     /// Checks name and constant; a denormal constant, and -0, becomes +0.
     pub(crate) fn checked(&self) -> Result<Self> {
-        let length = self.name.len();
-        if !(1..=MAX_LAYER_NAME_BYTES).contains(&length) {
-            return Err(Error::LayerName { length, limit: MAX_LAYER_NAME_BYTES });
-        }
+        check_name(&self.name)?;
         let constant_m = check_height(&format!("the layer `{}`", self.name), self.constant_m)?;
         Ok(Self { name: self.name.clone(), constant_m })
+    }
+}
+
+/// Refuses names that are empty or too long.
+pub(crate) fn check_name(name: &str) -> Result<()> {
+    let length = name.len();
+    if (1..=MAX_LAYER_NAME_BYTES).contains(&length) {
+        Ok(())
+    } else {
+        Err(Error::LayerName { length, limit: MAX_LAYER_NAME_BYTES })
     }
 }

@@ -27,13 +27,16 @@
 //! transaction.write_pages(&[(key, Page::constant(layout, 120.0))])?;
 //! transaction.commit(r#"{"op": "fill"}"#, "someone")?;
 //!
-//! assert_eq!(store.load_page(&key)?, Some(Page::constant(layout, 120.0)));
+//! assert_eq!(store.load_page(&key)?.as_deref(), Some(&Page::constant(layout, 120.0)));
 //! store.undo(1)?;
 //! assert_eq!(store.load_page(&key)?, None);
 //! store.close()?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod blob;
+mod budget;
+mod cache;
 mod check;
 mod checksum;
 pub mod codec;
@@ -41,15 +44,28 @@ mod content;
 mod database;
 mod error;
 pub mod format;
+mod head;
 mod history;
 mod layer;
+mod pyramid;
+mod recorder;
+mod repair;
 mod rows;
+mod salvage;
 mod store;
+mod substitute;
 mod transaction;
+mod upgrade;
 
+pub use blob::BlobHash;
+pub use budget::Dropped;
 pub use check::CheckReport;
-pub use error::{Error, Result};
-pub use history::{Change, Entry, EntryId, EntryState, HistorySummary};
-pub use layer::{Blend, Layer, MAX_LAYER_NAME_BYTES, NewLayer};
+pub use database::Counters;
+pub use error::{Error, Holder, Result};
+pub use history::{Change, Direction, Entry, EntryId, EntryState, HistorySummary};
+pub use layer::{Blend, Field, FieldKind, Layer, MAX_LAYER_NAME_BYTES, NewLayer};
+pub use recorder::{Recorder, Recording};
+pub use repair::Repaired;
+pub use salvage::Salvaged;
 pub use store::{NewTerrain, Store};
-pub use transaction::{MAX_OPERATION_BYTES, Transaction};
+pub use transaction::{Committed, MAX_OPERATION_BYTES, Transaction};

@@ -1,14 +1,18 @@
 //! The open terrain file.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
 
-use orogeny_field::{FieldId, Page, PageKey, PageLayout, TerrainGrid};
+use orogeny_field::{FieldId, HeightBounds, Page, PageKey, PageLayout, TerrainGrid};
 
 use crate::database::Database;
+use crate::error::unix_ms;
+use crate::head::{Head, LastCommit};
 use crate::rows::{Document, EntryRow, LayerChange};
-use crate::transaction::now_unix_ms;
-use crate::{EntryId, Error, Layer, NewLayer, Result, Transaction, content};
+use crate::{Blend, Counters, EntryId, Error, Field, FieldKind, Layer, NewLayer, Result, Transaction};
+use crate::{content, format, upgrade};
 
 /// A terrain to be made.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,22 +25,27 @@ pub struct NewTerrain {
     pub layers: Vec<NewLayer>,
 }
 
-/// A terrain file, open for reading and writing.
+/// A terrain file, open for writing or for reading.
 ///
-/// One process writes at a time, transaction by transaction; every read sees what was last committed. What this value
-/// remembers of the terrain (its [`layers`](Self::layers)) is as of the last transaction, undo, redo or opening.
+/// One store at a time has it open for writing, in this process or any other; any number may read beside it and see what
+/// was last committed. What a reader remembers of the terrain (its [`layers`](Self::layers)) is as of the last
+/// [`refresh`](Self::refresh) or opening.
 pub struct Store {
     pub(crate) db: Database,
+    /// `None` for a reader. After the database, since it goes when that has closed and left no log.
+    head: Option<Head>,
     pub(crate) document: Document,
     pub(crate) stack: Stack,
-    pub(crate) was_moved_by_others: bool,
+    /// What the disk said when it failed in mid-commit.
+    disk_failure: Option<String>,
+    pub(crate) clock: fn() -> SystemTime,
 }
 
-/// The layers and what their fields hold where they have no page.
+/// The layers, and all fields.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Stack {
     pub(crate) layers: Vec<Layer>,
-    pub(crate) constants: BTreeMap<FieldId, f32>,
+    pub(crate) fields: BTreeMap<FieldId, Field>,
 }
 
 impl std::fmt::Debug for Store {
@@ -46,21 +55,14 @@ impl std::fmt::Debug for Store {
 }
 
 impl Store {
-    /// Makes a terrain file, durably, and opens it.
+    /// Makes a terrain file, durably, and opens it for writing.
     ///
     /// # Errors
     /// [`Error::Exists`] where there is a file already; [`Error::LayerName`] or [`Error::Value`] for a layer that
     /// cannot be; else what the system refused. Nothing is left behind.
     pub fn create(path: &Path, new: &NewTerrain) -> Result<Self> {
         let layers = new.layers.iter().map(NewLayer::checked).collect::<Result<Vec<_>>>()?;
-        let mut document = Document {
-            grid: new.grid,
-            layout: new.layout,
-            head: EntryId::CREATION,
-            last_entry: 0,
-            last_layer: 0,
-            last_field: 0,
-        };
+        let mut document = Document { sequence: 1, ..Document::new(new.grid, new.layout) };
         let mut stack = Stack::default();
         let db = Database::create(path, |db| {
             db.insert_entry(&EntryRow {
@@ -68,7 +70,7 @@ impl Store {
                 parent: None,
                 operation: "null".to_owned(),
                 author: String::new(),
-                time_unix_ms: now_unix_ms(),
+                time_unix_ms: unix_ms(SystemTime::now()),
                 num_pages: 0,
                 delta_bytes: 0,
             })?;
@@ -77,28 +79,83 @@ impl Store {
             }
             db.insert_document(&document)
         })?;
-        Ok(Self { db, document, stack, was_moved_by_others: false })
+        let (head, _) = Head::lock(db.path())?;
+        let mut store = Self::writer(db, head, document, stack);
+        store.acknowledge()?;
+        Ok(store)
     }
 
-    /// Opens a terrain file, in time independent of its size. A log that a killed process left is taken up: everything
-    /// acknowledged is there.
+    /// Opens a terrain file for writing, in time independent of its size. A log that a killed process left is taken up:
+    /// everything acknowledged is there. A file of an older version is brought up to date.
     ///
     /// # Errors
-    /// Says which: [`Error::EmptyPath`], [`Error::Missing`], [`Error::Directory`], [`Error::NotATerrain`],
-    /// [`Error::NewerVersion`], [`Error::Damaged`], [`Error::ReadOnly`], [`Error::Busy`]. The file is not changed.
+    /// [`Error::Busy`], which says who has it open for writing; [`Error::LostCommits`] when something acknowledged is not
+    /// there; [`Error::EmptyPath`], [`Error::Missing`], [`Error::Directory`], [`Error::NotATerrain`],
+    /// [`Error::NewerVersion`], [`Error::Damaged`], [`Error::ReadOnly`]. The file is not changed.
     pub fn open(path: &Path) -> Result<Self> {
-        let db = Database::open(path)?;
-        let (document, stack) = db.in_snapshot(|| Ok((db.document()?, Stack::load(&db)?)))?;
-        Ok(Self { db, document, stack, was_moved_by_others: false })
+        let (mut store, acknowledged) = Self::open_whatever_was_lost(path)?;
+        if let Err(err) = store.document.check_commit(store.path(), acknowledged.as_ref()) {
+            // What is left of the log, and the record, stay as they are.
+            store.db.keep_log()?;
+            store.head.iter_mut().for_each(Head::keep);
+            return Err(err);
+        }
+        Ok(store)
     }
 
-    /// Moves everything into the one file and closes it: no log remains, unless someone else has the terrain open.
-    /// Dropping a store does the same, without a word when it cannot.
+    /// As [`Self::open`], with what the last writer acknowledged instead of a comparison with it.
+    pub(crate) fn open_whatever_was_lost(path: &Path) -> Result<(Self, Option<LastCommit>)> {
+        let (mut db, version) = Database::open_to_write(path)?;
+        let (head, acknowledged) = Head::lock(db.path())?;
+        db.configure()?;
+        if version < format::FORMAT_VERSION {
+            upgrade::from_version_1(&db)?;
+        }
+        let (document, stack) = db.in_snapshot(|| Ok((db.document()?, Stack::load(&db)?)))?;
+        Ok((Self::writer(db, head, document, stack), acknowledged))
+    }
+
+    /// Opens a terrain file for reading, beside a writer or not. Nothing of it is changed.
+    ///
+    /// # Errors
+    /// As [`Self::open`], but for [`Error::Busy`] and [`Error::ReadOnly`]; [`Error::OlderVersion`], which only opening it
+    /// for writing mends.
+    pub fn open_to_read(path: &Path) -> Result<Self> {
+        // In this order: a writer first commits and then notes it.
+        let acknowledged = Head::read(path)?;
+        let store = Self::open_to_read_whatever_was_lost(path)?;
+        store.document.check_commit(store.path(), acknowledged.as_ref())?;
+        Ok(store)
+    }
+
+    pub(crate) fn open_to_read_whatever_was_lost(path: &Path) -> Result<Self> {
+        let db = Database::open_to_read(path)?;
+        let (document, stack) = db.in_snapshot(|| Ok((db.document()?, Stack::load(&db)?)))?;
+        Ok(Self::reader(db, document, stack))
+    }
+
+    pub(crate) fn reader(db: Database, document: Document, stack: Stack) -> Self {
+        Self { db, head: None, document, stack, disk_failure: None, clock: SystemTime::now }
+    }
+
+    fn writer(db: Database, head: Head, document: Document, stack: Stack) -> Self {
+        Self { db, head: Some(head), document, stack, disk_failure: None, clock: SystemTime::now }
+    }
+
+    /// Moves everything into the one file and closes it: nothing remains beside it, unless someone else has the terrain
+    /// open. Dropping a store does the same, without a word when it cannot.
     ///
     /// # Errors
     /// When the log could not be moved, for want of space for instance. Nothing is lost: the log stays beside the file.
     pub fn close(self) -> Result<()> {
-        self.db.close()
+        // The head goes after the database, at the end of this function.
+        let Self { db, head, disk_failure, .. } = self;
+        if head.is_some() && disk_failure.is_none() {
+            db.close()
+        } else {
+            drop(db);
+            Ok(())
+        }
     }
 
     /// Where the file is, absolute.
@@ -119,10 +176,10 @@ impl Store {
         self.document.layout
     }
 
-    /// Whether another writer has moved the terrain to another place in its history since this was last asked, as seen by
-    /// the last transaction, undo or redo. Pages remembered from before are then out of date.
-    pub const fn take_was_moved_by_others(&mut self) -> bool {
-        std::mem::replace(&mut self.was_moved_by_others, false)
+    /// How many commits the terrain has seen.
+    #[must_use]
+    pub const fn num_commits(&self) -> u64 {
+        self.document.sequence
     }
 
     /// The layers, from the bottom.
@@ -131,12 +188,27 @@ impl Store {
         &self.stack.layers
     }
 
-    /// Reads a page; `None` where the field holds its constant.
+    /// All fields: heights and masks of layers, those of undone layers too, and selections.
+    #[must_use]
+    pub const fn fields(&self) -> &BTreeMap<FieldId, Field> {
+        &self.stack.fields
+    }
+
+    /// Reads a page of any level; `None` where the field holds its constant.
     ///
     /// # Errors
     /// [`Error::DamagedPage`] when the page fails its checksum or does not decode; the others are not concerned.
-    pub fn load_page(&self, key: &PageKey) -> Result<Option<Page>> {
-        load_page(&self.db, self.document.layout, key)
+    pub fn load_page(&self, key: &PageKey) -> Result<Option<Arc<Page>>> {
+        Ok(content::content(&self.db, self.layout(), key)?.map(|content| content.page))
+    }
+
+    /// Lowest and highest height, at full resolution and within the terrain, of what a page of any level covers; `None`
+    /// where that is all the field's constant. Reads no page.
+    ///
+    /// # Errors
+    /// When the directory cannot be read.
+    pub fn page_bounds(&self, key: &PageKey) -> Result<Option<HeightBounds>> {
+        Ok(self.db.page_info(key)?.map(|info| info.bounds))
     }
 
     /// The pages that a field has, at all levels, in the order of level, row, column.
@@ -147,12 +219,54 @@ impl Store {
         self.db.page_keys(field)
     }
 
-    /// Starts an operation, waiting up to five seconds for another process that writes.
+    /// The pages that a field has among those of a level that hold any sample of a rectangle, in samples of that level.
     ///
     /// # Errors
-    /// [`Error::Busy`] when that was not enough.
+    /// When the directory cannot be read.
+    pub fn page_keys_in(
+        &self,
+        field: FieldId,
+        level: u8,
+        rect: &orogeny_field::SampleRect,
+    ) -> Result<Vec<PageKey>> {
+        let size = self.layout().size();
+        let along = |start: i32, end: i32| {
+            let (start, end) = (start.max(0).unsigned_abs(), end.max(0).unsigned_abs());
+            start / size..end.div_ceil(size)
+        };
+        self.db.page_keys_in(field, level, along(rect.z0, rect.z1), along(rect.x0, rect.x1))
+    }
+
+    /// How many pages of a field were painted.
+    ///
+    /// # Errors
+    /// When the directory cannot be read.
+    pub fn num_pages(&self, field: FieldId) -> Result<u64> {
+        self.db.num_pages(field)
+    }
+
+    /// Starts an operation.
+    ///
+    /// # Errors
+    /// [`Error::OpenedToRead`]; [`Error::DiskFailed`] when the disk failed before.
     pub fn begin(&mut self) -> Result<Transaction<'_>> {
+        self.refuse_unless_writable()?;
         Transaction::start(self)
+    }
+
+    /// Looks again at what a writer may have changed.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn refresh(&mut self) -> Result<()> {
+        let db = &self.db;
+        (self.document, self.stack) = db.in_snapshot(|| Ok((db.document()?, Stack::load(db)?)))?;
+        Ok(())
+    }
+
+    /// Takes the time of entries from here on from `clock`, instead of from the system's. Nothing is ordered by it.
+    pub fn set_clock(&mut self, clock: fn() -> SystemTime) {
+        self.clock = clock;
     }
 
     /// Bytes of the file, its log included.
@@ -163,40 +277,123 @@ impl Store {
         self.db.file_size_in_bytes()
     }
 
-    /// Looks again at what another process may have changed. To be called where that cannot change any more: in a
-    /// transaction or a snapshot.
-    pub(crate) fn refresh(&mut self) -> Result<()> {
-        let document = self.db.document()?;
-        if document.head != self.document.head {
-            self.stack = Stack::load(&self.db)?;
-            self.was_moved_by_others = true;
+    /// What was asked of the database since this store was opened.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.db.counters.get()
+    }
+
+    /// Bytes of decoded pages kept in memory.
+    #[must_use]
+    pub fn cached_bytes(&self) -> u64 {
+        self.db.cache.borrow().size_in_bytes()
+    }
+
+    pub(crate) fn refuse_unless_writable(&self) -> Result<()> {
+        let path = || self.path().to_owned();
+        if self.head.is_none() {
+            return Err(Error::OpenedToRead { path: path() });
+        }
+        match &self.disk_failure {
+            Some(detail) => Err(Error::DiskFailed { path: path(), detail: detail.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Ends the running transaction as one commit that leaves `document`, which is on disk when this returns.
+    pub(crate) fn commit(&mut self, mut document: Document, stack: Stack) -> Result<()> {
+        document.sequence = self.document.sequence + 1;
+        let committed = self.db.update_document(&document).and_then(|()| self.db.commit());
+        if let Err(err) = committed {
+            self.db.rollback();
+            // What of it reached the disk is not known, and a second attempt that the system calls good proves nothing:
+            // it may have dropped what it could not write.
+            if let Error::Io { detail, .. } = &err {
+                self.disk_failure = Some(detail.clone());
+                self.db.keep_log()?;
+            }
+            return Err(err);
         }
         self.document = document;
+        self.stack = stack;
+        self.acknowledge()
+    }
+
+    /// Takes what is there for what was acknowledged.
+    pub(crate) fn accept_what_was_lost(&mut self) -> Result<()> {
+        if let Some(head) = &mut self.head {
+            head.forget().map_err(|err| Error::from_io(self.db.path(), &err))?;
+        }
+        self.acknowledge()
+    }
+
+    /// Notes the commit outside the database, before anyone is told of it.
+    pub(crate) fn acknowledge(&mut self) -> Result<()> {
+        let commit = self.document.last_commit();
+        let Some(head) = &mut self.head else { return Ok(()) };
+        let Err(err) = head.record(&commit) else { return Ok(()) };
+        self.disk_failure = Some(err.to_string());
+        self.db.keep_log()?;
+        Err(Error::DiskFailed { path: self.db.path().to_owned(), detail: err.to_string() })
+    }
+}
+
+impl Document {
+    /// Whether the terrain holds everything that was acknowledged.
+    pub(crate) fn check_commit(&self, path: &Path, acknowledged: Option<&LastCommit>) -> Result<()> {
+        let Some(acknowledged) = acknowledged else { return Ok(()) };
+        let is_other = self.sequence == acknowledged.sequence && self.last_commit().hash != acknowledged.hash;
+        if self.sequence < acknowledged.sequence || is_other {
+            return Err(Error::LostCommits {
+                path: PathBuf::from(path),
+                found: self.sequence,
+                acknowledged: acknowledged.sequence,
+            });
+        }
         Ok(())
     }
 }
 
-pub(crate) fn load_page(db: &Database, layout: PageLayout, key: &PageKey) -> Result<Option<Page>> {
-    let Some(row) = db.page(layout, key)? else { return Ok(None) };
-    let ordered = content::decode_page(layout, &row)?;
-    content::page_from_ordered(layout, &ordered).map(Some)
-}
-
 impl Stack {
     pub(crate) fn load(db: &Database) -> Result<Self> {
-        let constants = db.field_constants()?;
+        let fields = db.fields()?;
         let mut layers = Vec::new();
         for saved in db.saved_layers()? {
             let wrong = |detail: String| Error::damaged(db.path(), format!("layer {}: {detail}", saved.id));
             let mut layer: Layer =
                 serde_json::from_str(&saved.state).map_err(|err| wrong(err.to_string()))?;
-            layer.constant_m = *constants
-                .get(&layer.heights)
-                .ok_or_else(|| wrong(format!("its field {} does not exist", layer.heights.0)))?;
+            let field = |id: FieldId, kind: FieldKind| {
+                fields
+                    .get(&id)
+                    .filter(|field| field.kind == kind)
+                    .ok_or_else(|| wrong(format!("its field {} does not exist", id.0)))
+            };
+            layer.constant_m = field(layer.heights, FieldKind::Heights)?.constant;
+            if let Some(mask) = layer.mask {
+                field(mask, FieldKind::Mask)?;
+            }
             layers.push(layer);
         }
         layers.sort_by_key(|layer| (layer.position, layer.id));
-        Ok(Self { layers, constants })
+        Ok(Self { layers, fields })
+    }
+
+    /// What a field holds where it has no page; 0 for one that does not exist.
+    pub(crate) fn constant(&self, key: &PageKey) -> f32 {
+        self.fields.get(&key.field).map_or(0.0, |field| field.constant)
+    }
+
+    /// Makes a field, here and in the file.
+    pub(crate) fn add_field(
+        &mut self,
+        db: &Database,
+        document: &mut Document,
+        field: Field,
+    ) -> Result<FieldId> {
+        let id = document.next_field()?;
+        db.insert_field(id, field)?;
+        self.fields.insert(id, field);
+        Ok(id)
     }
 
     /// Puts a new layer on top, here and in the file, as a change that `entry` makes.
@@ -207,22 +404,21 @@ impl Stack {
         entry: EntryId,
         new: NewLayer,
     ) -> Result<Layer> {
+        let heights = Field { kind: FieldKind::Heights, constant: new.constant_m };
         let layer = Layer {
             id: document.next_layer()?,
             position: self.layers.last().map_or(0, |top| top.position.saturating_add(1)),
             name: new.name,
-            heights: document.next_field()?,
+            heights: self.add_field(db, document, heights)?,
             constant_m: new.constant_m,
+            mask: None,
             visible: true,
             opacity: 1.0,
-            blend: crate::Blend::default(),
+            blend: Blend::default(),
         };
-        let state =
-            serde_json::to_string(&layer).map_err(|err| Error::Operation { detail: err.to_string() })?;
-        db.insert_field(layer.heights, layer.constant_m)?;
+        let state = layer.to_state()?;
         db.set_layer(layer.id, Some(&state))?;
         db.insert_layer_change(entry, &LayerChange { layer: layer.id, before: None, after: Some(state) })?;
-        self.constants.insert(layer.heights, layer.constant_m);
         self.layers.push(layer.clone());
         Ok(layer)
     }

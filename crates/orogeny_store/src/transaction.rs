@@ -1,14 +1,19 @@
 //! One operation on a terrain: pages, layers and the history entry become durable together, or not at all.
 
 use std::collections::HashSet;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::sync::Arc;
 
-use orogeny_field::{MAX_HEIGHT_M, Page, PageKey, PageLayout, is_storable_height};
+use orogeny_field::{MAX_HEIGHT_M, Page, PageKey, PageLayout, SampleRect, is_storable_height};
 use rayon::prelude::*;
 
-use crate::rows::{DeltaRow, Document, EntryRow, PageRow};
-use crate::store::{Stack, load_page};
-use crate::{EntryId, Error, Layer, NewLayer, Result, Store, codec, content};
+use crate::cache::Content;
+use crate::database::Database;
+use crate::error::unix_ms;
+use crate::pyramid::{self, Changed};
+use crate::rows::{DeltaRow, Document, EntryRow, LayerChange, PageInfo, PageRow};
+use crate::store::Stack;
+use crate::{Dropped, EntryId, Error, Field, FieldKind, Layer, NewLayer, Result, Store};
+use crate::{budget, codec, content};
 
 /// The longest operation that the history records, in bytes of JSON: a stroke of a million points takes about 30 MB.
 pub const MAX_OPERATION_BYTES: usize = 256 << 20;
@@ -21,8 +26,21 @@ pub struct Transaction<'store> {
     document: Document,
     stack: Stack,
     entry: EntryId,
+    /// What of which pages was changed, for the levels above.
+    changed: Changed,
     /// Something failed half-way: what was written is incomplete.
     is_failed: bool,
+    /// It is on disk.
+    is_committed: bool,
+}
+
+/// What a commit came to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Committed {
+    /// The entries that it recorded, in order.
+    pub entries: Vec<EntryId>,
+    /// What had to go from the history to keep to its budget.
+    pub dropped: Dropped,
 }
 
 impl std::fmt::Debug for Transaction<'_> {
@@ -36,42 +54,26 @@ enum Write {
     /// It is as it was, and was never changed.
     Nothing,
     /// It changed.
-    Change { page: PageRow, delta: DeltaRow },
+    Change { page: PageRow, content: Content, delta: DeltaRow },
     /// It was changed before in this transaction and is again as it was.
-    Restore(PageRow),
+    Restore { page: PageRow, content: Content },
     /// As before, and it was absent.
-    Remove(PageKey),
+    Remove,
 }
 
 /// A page as it is in the transaction, with what the transaction did to it so far.
 struct Stored {
-    page: Option<PageRow>,
+    now: Option<Content>,
     delta: Option<DeltaRow>,
 }
 
 impl<'store> Transaction<'store> {
     pub(crate) fn start(store: &'store mut Store) -> Result<Self> {
+        let mut document = store.document.clone();
+        let entry = document.next_entry()?;
         store.db.begin()?;
-        let started = store.refresh().and_then(|()| {
-            let mut document = store.document.clone();
-            let entry = document.next_entry()?;
-            Ok((document, entry))
-        });
-        match started {
-            Ok((document, entry)) => {
-                let stack = store.stack.clone();
-                Ok(Self { store, document, stack, entry, is_failed: false })
-            }
-            Err(err) => {
-                store.db.rollback();
-                Err(err)
-            }
-        }
-    }
-
-    /// As [`Store::take_was_moved_by_others`].
-    pub const fn take_was_moved_by_others(&mut self) -> bool {
-        self.store.take_was_moved_by_others()
+        let (stack, changed) = (store.stack.clone(), Changed::new());
+        Ok(Self { store, document, stack, entry, changed, is_failed: false, is_committed: false })
     }
 
     /// The layers, from the bottom, with those added here.
@@ -84,34 +86,38 @@ impl<'store> Transaction<'store> {
     ///
     /// # Errors
     /// [`Error::DamagedPage`] when the page fails its checksum or does not decode.
-    pub fn load_page(&self, key: &PageKey) -> Result<Option<Page>> {
-        load_page(&self.store.db, self.layout(), key)
+    pub fn load_page(&self, key: &PageKey) -> Result<Option<Arc<Page>>> {
+        self.store.load_page(key)
     }
 
-    /// Reads a page as it was before this transaction; `None` where the field held its constant.
+    /// Reads a page as it was before the entry that is [recorded](Self::record) next; `None` where the field held its
+    /// constant.
     ///
     /// # Errors
     /// [`Error::DamagedPage`] when the page fails its checksum or does not decode.
-    pub fn load_page_before(&self, key: &PageKey) -> Result<Option<Page>> {
+    pub fn load_page_before(&self, key: &PageKey) -> Result<Option<Arc<Page>>> {
         let layout = self.layout();
-        let before = self.stored(key)?.values_before(layout, self.entry)?;
-        before.map(|ordered| content::page_from_ordered(layout, &ordered)).transpose()
+        let stored = self.stored(key, content::content(self.database(), layout, key)?)?;
+        if stored.delta.is_none() {
+            return Ok(stored.now.map(|content| content.page));
+        }
+        let before = stored.values_before(layout, self.entry)?;
+        before.map(|ordered| content::page_from_ordered(layout, &ordered).map(Arc::new)).transpose()
     }
 
     /// Writes pages, coded on all cores. A page may be written again in a later call: the history holds the difference
     /// to what it was before the transaction, and nothing where that is none.
     ///
     /// # Errors
-    /// [`Error::Height`], [`Error::PageOutside`], [`Error::PageSize`], [`Error::PageTwice`] or [`Error::UnknownField`]
-    /// before anything is written; after any other error ([`Error::DiskFull`], [`Error::DamagedPage`] ...) the
+    /// [`Error::Height`], [`Error::PageOutside`], [`Error::PageSize`], [`Error::PageTwice`], [`Error::DerivedPage`] or
+    /// [`Error::UnknownField`] before anything is written; after any other error ([`Error::DiskFull`], [`Error::DamagedPage`] ...) the
     /// transaction can only be dropped.
-    pub fn write_pages(&mut self, pages: &[(PageKey, Page)]) -> Result<()> {
+    pub fn write_pages<P: AsRef<Page> + Sync>(&mut self, pages: &[(PageKey, P)]) -> Result<()> {
         self.refuse_after_failure()?;
         self.check_pages(pages)?;
         let mut batches = pages.chunks(content::pages_per_batch(self.layout()));
         let result = batches.try_for_each(|batch| self.write_batch(batch));
-        self.is_failed |= result.is_err();
-        result
+        self.fail_with(result)
     }
 
     /// Puts a layer on top of the stack.
@@ -123,8 +129,56 @@ impl<'store> Transaction<'store> {
         self.refuse_after_failure()?;
         let new = new.checked()?;
         let result = self.stack.add(&self.store.db, &mut self.document, self.entry, new);
-        self.is_failed |= result.is_err();
-        result
+        self.fail_with(result)
+    }
+
+    /// Makes a field that belongs to no layer yet: a mask, or a selection. It stays when the operation is undone, and then
+    /// belongs to nothing.
+    ///
+    /// # Errors
+    /// [`Error::Value`] when no field can have the constant; after any other error the transaction can only be dropped.
+    pub fn add_field(&mut self, field: Field) -> Result<orogeny_field::FieldId> {
+        self.refuse_after_failure()?;
+        let constant = orogeny_field::check_height("the field", field.constant)?;
+        let field = Field { constant, ..field };
+        let result = self.stack.add_field(&self.store.db, &mut self.document, field);
+        self.fail_with(result)
+    }
+
+    /// Changes a layer: its name, place, mask, visibility, opacity or blend mode. Its heights stay the same field.
+    ///
+    /// # Errors
+    /// [`Error::UnknownLayer`] where there is none of that id; [`Error::LayerName`]; [`Error::UnknownField`] for a mask
+    /// that is no field of masks; after any other error the transaction can only be dropped.
+    pub fn set_layer(&mut self, layer: &Layer) -> Result<()> {
+        self.refuse_after_failure()?;
+        crate::layer::check_name(&layer.name)?;
+        if let Some(mask) = layer.mask
+            && self.stack.fields.get(&mask).is_none_or(|field| field.kind != FieldKind::Mask)
+        {
+            return Err(Error::UnknownField { field: mask });
+        }
+        let known = self.stack.layers.iter().position(|known| known.id == layer.id);
+        let Some(known) = known.and_then(|place| self.stack.layers.get_mut(place)) else {
+            return Err(Error::UnknownLayer { layer: layer.id });
+        };
+        let after = Layer { heights: known.heights, constant_m: known.constant_m, ..layer.clone() };
+        let before = std::mem::replace(known, after);
+        let result = self.write_layer_change(&before, layer);
+        self.stack.layers.sort_by_key(|layer| (layer.position, layer.id));
+        self.fail_with(result)
+    }
+
+    fn write_layer_change(&self, before: &Layer, after: &Layer) -> Result<()> {
+        let db = &self.store.db;
+        let state = Layer { heights: before.heights, ..after.clone() }.to_state()?;
+        db.set_layer(after.id, Some(&state))?;
+        let made_here = db.layer_changes(self.entry)?.into_iter().find(|change| change.layer == after.id);
+        let before = match made_here {
+            Some(change) => change.before,
+            None => Some(before.to_state()?),
+        };
+        db.set_layer_change(self.entry, &LayerChange { layer: after.id, before, after: Some(state) })
     }
 
     /// Ends what was done since the last record as one entry of the history, on which later changes of this transaction
@@ -138,8 +192,7 @@ impl<'store> Transaction<'store> {
         self.refuse_after_failure()?;
         check_operation(operation_json)?;
         let result = self.insert_entry(operation_json, author);
-        self.is_failed |= result.is_err();
-        result
+        self.fail_with(result)
     }
 
     fn insert_entry(&mut self, operation_json: &str, author: &str) -> Result<EntryId> {
@@ -152,11 +205,12 @@ impl<'store> Transaction<'store> {
             parent: Some(parent),
             operation: operation_json.to_owned(),
             author: author.to_owned(),
-            time_unix_ms: now_unix_ms(),
+            time_unix_ms: unix_ms((self.store.clock)()),
             num_pages,
             delta_bytes,
         })?;
-        db.set_next(parent, recorded)?;
+        db.set_next(parent, Some(recorded))?;
+        self.document.history_bytes += db.entry_bytes(recorded)?;
         self.entry = self.document.next_entry()?;
         Ok(recorded)
     }
@@ -168,19 +222,23 @@ impl<'store> Transaction<'store> {
     /// [`Error::TransactionFailed`] after an earlier failure, or when something was changed since the last record;
     /// [`Error::DiskFull`] and the like when it did not reach the disk. The terrain is then as it was before the
     /// transaction.
-    pub fn commit_recorded(mut self) -> Result<()> {
+    pub fn commit_recorded(mut self) -> Result<Committed> {
         self.refuse_after_failure()?;
+        let first = EntryId(self.store.document.last_entry.saturating_add(1));
         let db = &self.store.db;
         if db.delta_totals(self.entry)?.0 > 0 || !db.layer_changes(self.entry)?.is_empty() {
             return Err(Error::TransactionFailed);
         }
+        let entries = (first.0..self.entry.0).map(EntryId).collect();
         // The number kept for a further entry is free again.
         self.document.last_entry = self.entry.0.saturating_sub(1);
-        db.update_document(&self.document)?;
-        db.commit()?;
-        self.store.document = self.document.clone();
-        self.store.stack = std::mem::take(&mut self.stack);
-        Ok(())
+        let Document { grid, layout, .. } = self.document;
+        let changed = std::mem::take(&mut self.changed);
+        pyramid::refresh(db, grid, layout, |key| self.stack.constant(key), changed)?;
+        let dropped = budget::keep(db, &mut self.document)?;
+        self.store.commit(self.document.clone(), std::mem::take(&mut self.stack))?;
+        self.is_committed = true;
+        Ok(Committed { entries, dropped })
     }
 
     /// Records everything as one entry of the history and makes it durable: [`record`](Self::record) and
@@ -194,92 +252,126 @@ impl<'store> Transaction<'store> {
         Ok(entry)
     }
 
+    /// The number that the entry recorded next will have.
+    #[must_use]
+    pub const fn entry(&self) -> EntryId {
+        self.entry
+    }
+
+    pub(crate) const fn database(&self) -> &Database {
+        &self.store.db
+    }
+
+    /// Remembers that something failed.
+    pub(crate) fn fail_with<T>(&mut self, result: Result<T>) -> Result<T> {
+        self.is_failed |= result.is_err();
+        result
+    }
+
     /// How planes are cut into pages.
     #[must_use]
     pub fn layout(&self) -> PageLayout {
         self.document.layout
     }
 
-    fn refuse_after_failure(&self) -> Result<()> {
+    pub(crate) fn refuse_after_failure(&self) -> Result<()> {
         if self.is_failed { Err(Error::TransactionFailed) } else { Ok(()) }
     }
 
-    fn check_pages(&self, pages: &[(PageKey, Page)]) -> Result<()> {
-        let expected = self.layout().size();
+    fn check_pages<P: AsRef<Page> + Sync>(&self, pages: &[(PageKey, P)]) -> Result<()> {
+        let Document { grid, layout, .. } = &self.document;
+        let expected = layout.size();
         let mut seen = HashSet::with_capacity(pages.len());
         for (key, page) in pages {
-            if page.size() != expected {
-                return Err(Error::PageSize { expected, actual: page.size() });
+            let actual = page.as_ref().size();
+            if actual != expected {
+                return Err(Error::PageSize { expected, actual });
             }
-            if !self.stack.constants.contains_key(&key.field) {
+            if !self.stack.fields.contains_key(&key.field) {
                 return Err(Error::UnknownField { field: key.field });
             }
-            let (columns, rows) = self.document.num_pages_at(key.level);
+            let (columns, rows) = layout.num_pages_at(grid, key.level);
             if key.x >= columns || key.z >= rows {
                 return Err(Error::PageOutside { key: *key, columns, rows });
+            }
+            if key.level > 0 {
+                return Err(Error::DerivedPage { key: *key });
             }
             if !seen.insert(*key) {
                 return Err(Error::PageTwice { key: *key });
             }
         }
-        pages.par_iter().try_for_each(|(key, page)| check_heights(key, page))
+        pages.par_iter().try_for_each(|(key, page)| check_heights(key, page.as_ref()))
     }
 
-    fn write_batch(&self, batch: &[(PageKey, Page)]) -> Result<()> {
+    fn write_batch<P: AsRef<Page> + Sync>(&mut self, batch: &[(PageKey, P)]) -> Result<()> {
         let layout = self.layout();
-        let stored = batch.iter().map(|(key, _)| self.stored(key)).collect::<Result<Vec<_>>>()?;
-        let (entry, constants) = (self.entry, &self.stack.constants);
-        let constant = |key: &PageKey| constants.get(&key.field).copied().unwrap_or_default();
+        let keys: Vec<_> = batch.iter().map(|(key, _)| *key).collect();
+        let contents = content::contents(self.database(), layout, &keys)?;
+        let stored = keys
+            .iter()
+            .zip(contents)
+            .map(|(key, content)| self.stored(key, content?))
+            .collect::<Result<Vec<_>>>()?;
+        let (entry, document, stack) = (self.entry, &self.document, &self.stack);
         let writes = batch
             .par_iter()
             .zip(stored)
-            .map(|((key, page), stored)| stored.plan(layout, entry, *key, page, constant(key)))
+            .map(|((key, page), stored)| {
+                stored.plan(document, entry, *key, page.as_ref(), stack.constant(key))
+            })
             .collect::<Result<Vec<_>>>()?;
         let db = &self.store.db;
-        for write in writes {
+        for (key, (write, rect)) in keys.into_iter().zip(writes) {
+            let mut cache = db.cache.borrow_mut();
             match write {
-                Write::Nothing => {}
-                Write::Change { page, delta } => {
+                Write::Nothing => continue,
+                Write::Change { page, content, delta } => {
                     db.write_page(&page)?;
                     db.write_delta(self.entry, &delta)?;
+                    cache.put(key, content);
                 }
-                Write::Restore(page) => {
+                Write::Restore { page, content } => {
                     db.write_page(&page)?;
-                    db.delete_delta(self.entry, &page.key)?;
+                    db.delete_delta(self.entry, &key)?;
+                    cache.put(key, content);
                 }
-                Write::Remove(key) => {
+                Write::Remove => {
                     db.delete_page(&key)?;
                     db.delete_delta(self.entry, &key)?;
+                    cache.forget(&key);
                 }
             }
+            pyramid::note(&mut self.changed, key, &rect);
         }
         Ok(())
     }
 
-    fn stored(&self, key: &PageKey) -> Result<Stored> {
-        let db = &self.store.db;
-        let page = db.page(self.layout(), key)?;
-        let was_changed_here = page.as_ref().is_some_and(|page| page.revision == self.entry);
-        let delta = was_changed_here.then(|| db.delta(self.layout(), self.entry, key)).transpose()?;
-        Ok(Stored { page, delta })
+    fn stored(&self, key: &PageKey, now: Option<Content>) -> Result<Stored> {
+        let was_changed_here = now.as_ref().is_some_and(|content| content.revision == self.entry);
+        let delta =
+            was_changed_here.then(|| self.database().delta(self.layout(), self.entry, key)).transpose()?;
+        Ok(Stored { now, delta })
     }
 }
 
 impl Drop for Transaction<'_> {
     fn drop(&mut self) {
-        self.store.db.rollback();
+        if !self.is_committed {
+            self.store.db.rollback();
+        }
     }
 }
 
 impl Stored {
-    /// The ordered values before the transaction; `None` where there was no page.
+    /// The ordered values before the entry; `None` where there was no page.
     fn values_before(&self, layout: PageLayout, entry: EntryId) -> Result<Option<Vec<u32>>> {
-        let Some(page) = &self.page else { return Ok(None) };
-        let Some(delta) = &self.delta else { return content::decode_page(layout, page).map(Some) };
+        let Some(now) = &self.now else { return Ok(None) };
+        let now = codec::ordered_from_page(&now.page);
+        let Some(delta) = &self.delta else { return Ok(Some(now)) };
         if delta.revision_before.is_none() {
             return Ok(None);
         }
-        let now = content::decode_page(layout, page)?;
         let change = content::decode_delta(layout, entry, delta)?;
         Ok(Some(codec::difference(&now, Some(&change))))
     }
@@ -287,19 +379,27 @@ impl Stored {
     fn revision_before(&self) -> Option<EntryId> {
         match &self.delta {
             Some(delta) => delta.revision_before,
-            None => self.page.as_ref().map(|page| page.revision),
+            None => self.now.as_ref().map(|content| content.revision),
         }
     }
 
-    /// What it takes for the page to hold `after`, where absent pages hold `constant`.
+    /// What it takes for the page to hold `after`, where absent pages hold `constant`; and which samples of it change.
     fn plan(
         &self,
-        layout: PageLayout,
+        document: &Document,
         entry: EntryId,
         key: PageKey,
         after: &Page,
         constant: f32,
-    ) -> Result<Write> {
+    ) -> Result<(Write, SampleRect)> {
+        let Document { grid, layout, .. } = *document;
+        let rect = match &self.now {
+            Some(now) => content::changed_rect(layout, &key, now.page.samples(), after.samples()),
+            None => {
+                let flat = Page::constant(layout, constant);
+                content::changed_rect(layout, &key, flat.samples(), after.samples())
+            }
+        };
         let before = self.values_before(layout, entry)?;
         let after_values = codec::ordered_from_page(after);
         let is_as_before = match &before {
@@ -307,36 +407,27 @@ impl Stored {
             None => after.samples().iter().all(|height| height.to_bits() == constant.to_bits()),
         };
         let revision_before = self.revision_before();
-        Ok(match (is_as_before, &self.delta, revision_before) {
+        let bounds = content::bounds_of(&grid, layout, &key, after);
+        let page_of = |revision: EntryId| {
+            let content = Content { revision, bounds, page: Arc::new(after.clone()) };
+            let page = content::encode_page(layout, key, PageInfo { revision, bounds }, &after_values)?;
+            Ok::<_, Error>((page, content))
+        };
+        let write = match (is_as_before, &self.delta, revision_before) {
             (true, None, _) => Write::Nothing,
             (true, Some(_), Some(revision)) => {
-                Write::Restore(content::encode_page(layout, key, revision, &after_values)?)
+                let (page, content) = page_of(revision)?;
+                Write::Restore { page, content }
             }
-            (true, Some(_), None) => Write::Remove(key),
+            (true, Some(_), None) => Write::Remove,
             (false, ..) => {
+                let (page, content) = page_of(entry)?;
                 let difference = codec::difference(&after_values, before.as_deref());
-                Write::Change {
-                    page: content::encode_page(layout, key, entry, &after_values)?,
-                    delta: content::encode_delta(layout, key, revision_before, &difference)?,
-                }
+                let delta = content::encode_delta(layout, key, revision_before, &difference)?;
+                Write::Change { page, content, delta }
             }
-        })
-    }
-}
-
-impl Document {
-    /// Columns and rows of pages of a level; none above the level that is one sample.
-    fn num_pages_at(&self, level: u8) -> (u32, u32) {
-        let longest = self.grid.width().max(self.grid.depth());
-        if level > 0 && (longest - 1).checked_shr(u32::from(level) - 1).unwrap_or(0) == 0 {
-            return (0, 0);
-        }
-        let side = 1_u64 << level.min(32);
-        let along = |samples: u32| {
-            let pages = u64::from(samples).div_ceil(side).div_ceil(self.layout.size().into());
-            u32::try_from(pages).unwrap_or(u32::MAX)
         };
-        (along(self.grid.width()), along(self.grid.depth()))
+        Ok((write, rect))
     }
 }
 
@@ -357,41 +448,4 @@ fn check_operation(operation_json: &str) -> Result<()> {
     serde_json::from_str::<serde::de::IgnoredAny>(operation_json)
         .map(|_| ())
         .map_err(|err| Error::Operation { detail: format!("it is no JSON: {err}") })
-}
-
-/// Milliseconds since 1970; 0 for a clock set before that. For people to read: nothing is ordered by it.
-pub(crate) fn now_unix_ms() -> i64 {
-    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    i64::try_from(since_1970.as_millis()).unwrap_or(i64::MAX)
-}
-
-#[cfg(test)]
-mod tests {
-    use orogeny_field::TerrainGrid;
-
-    use super::*;
-
-    #[test]
-    fn levels_end_with_one_sample() {
-        let document = |width, depth| Document {
-            grid: TerrainGrid::new(width, depth, 1.0).unwrap(),
-            layout: PageLayout::new(64).unwrap(),
-            head: EntryId(0),
-            last_entry: 0,
-            last_layer: 0,
-            last_field: 0,
-        };
-        let oblong = document(200, 65);
-        let sizes: Vec<_> = (0..11).map(|level| oblong.num_pages_at(level)).collect();
-        // 200 x 65, 100 x 33, 50 x 17 ... 2 x 1, 1 x 1 at level 8.
-        assert_eq!(sizes[..3], [(4, 2), (2, 1), (1, 1)]);
-        assert_eq!(sizes[8], (1, 1));
-        assert_eq!(sizes[9..], [(0, 0), (0, 0)]);
-        assert_eq!(document(1 << 20, 1).num_pages_at(0), (1 << 14, 1));
-        assert_eq!(document(1 << 20, 1).num_pages_at(20), (1, 1));
-        assert_eq!(document(1, 1).num_pages_at(0), (1, 1));
-        for level in [1, 21, 33, 64, 255] {
-            assert_eq!(document(1, 1).num_pages_at(level), (0, 0), "level {level}");
-        }
-    }
 }

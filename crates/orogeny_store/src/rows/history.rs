@@ -100,8 +100,7 @@ impl SavedLayer {
 
 impl Database {
     pub(crate) fn insert_entry(&self, entry: &EntryRow) -> Result<()> {
-        self.conn
-            .prepare_cached(
+        self.statement(
                 "INSERT INTO entry (id, parent, operation, author, time_unix_ms, num_pages, delta_bytes, checksum)
                  VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
             )
@@ -122,26 +121,23 @@ impl Database {
     }
 
     /// Makes `next` the entry that redo goes to from `entry`.
-    pub(crate) fn set_next(&self, entry: EntryId, next: EntryId) -> Result<()> {
-        self.conn
-            .prepare_cached("UPDATE entry SET next = ?2 WHERE id = ?1")
-            .and_then(|mut statement| statement.execute(params![entry.0, next.0]))
+    pub(crate) fn set_next(&self, entry: EntryId, next: Option<EntryId>) -> Result<()> {
+        self.statement("UPDATE entry SET next = ?2 WHERE id = ?1")
+            .and_then(|mut statement| statement.execute(params![entry.0, next.map(|next| next.0)]))
             .map_err(|err| self.fault(err))?;
         Ok(())
     }
 
     /// The entry that redo goes to from `entry`.
     pub(crate) fn next_of(&self, entry: EntryId) -> Result<Option<EntryId>> {
-        self.conn
-            .prepare_cached("SELECT next FROM entry WHERE id = ?1")
+        self.statement("SELECT next FROM entry WHERE id = ?1")
             .and_then(|mut statement| statement.query_row([entry.0], |row| row.get::<_, Option<u32>>(0)))
             .map(|next| next.map(EntryId))
             .map_err(|err| self.fault(err))
     }
 
     pub(crate) fn entry(&self, id: EntryId) -> Result<EntryRow> {
-        self.conn
-            .prepare_cached(
+        self.statement(
                 "SELECT id, parent, operation, author, time_unix_ms, num_pages, delta_bytes, checksum
                  FROM entry WHERE id = ?1",
             )
@@ -157,9 +153,7 @@ impl Database {
 
     /// Calls `visit` with each entry, oldest first, entry 0 included. One that fails its checksum comes as the error.
     pub(crate) fn for_each_entry(&self, mut visit: impl FnMut(Result<EntryRow>) -> Result<()>) -> Result<()> {
-        let mut statement = self
-            .conn
-            .prepare(
+        let mut statement = self.statement(
                 "SELECT id, parent, operation, author, time_unix_ms, num_pages, delta_bytes, checksum
                  FROM entry ORDER BY id",
             )
@@ -173,8 +167,7 @@ impl Database {
 
     /// How all entries hang together, oldest first, without reading the operations.
     pub(crate) fn entry_links(&self) -> Result<Vec<EntryLinks>> {
-        self.conn
-            .prepare("SELECT id, parent, next, delta_bytes FROM entry ORDER BY id")
+        self.statement("SELECT id, parent, next, delta_bytes FROM entry ORDER BY id")
             .and_then(|mut statement| {
                 let links = statement.query_map([], |row| {
                     Ok(EntryLinks {
@@ -189,20 +182,105 @@ impl Database {
             .map_err(|err| self.fault(err))
     }
 
-    pub(crate) fn insert_layer_change(&self, entry: EntryId, change: &LayerChange) -> Result<()> {
-        self.conn
-            .execute(
-                "INSERT INTO layer_change (entry, layer, before, after, checksum) VALUES (?1, ?2, ?3, ?4, ?5)",
-                params![entry.0, change.layer, change.before, change.after, change.checksum(entry)],
-            )
+    /// The children of an entry, oldest first.
+    pub(crate) fn children_of(&self, entry: EntryId) -> Result<Vec<EntryId>> {
+        self.statement("SELECT id FROM entry WHERE parent = ?1 ORDER BY id")
+            .and_then(|mut statement| {
+                statement.query_map([entry.0], |row| row.get(0).map(EntryId))?.collect()
+            })
+            .map_err(|err| self.fault(err))
+    }
+
+    /// What an entry takes in the file, in bytes: its deltas, its operation, and data from outside that no other entry
+    /// needs.
+    pub(crate) fn entry_bytes(&self, entry: EntryId) -> Result<u64> {
+        let count = |sql: &str| {
+            self.statement(sql)
+                .and_then(|mut statement| statement.query_row([entry.0], |row| row.get::<_, i64>(0)))
+                .map(i64::cast_unsigned)
+                .map_err(|err| self.fault(err))
+        };
+        let deltas = count("SELECT coalesce(sum(length(bytes)), 0) FROM delta WHERE entry = ?1")?;
+        let operation = count("SELECT coalesce(sum(length(CAST(operation AS BLOB))), 0) FROM entry WHERE id = ?1")?;
+        let blobs = count(
+            "SELECT coalesce(sum(length(bytes)), 0) FROM blob_chunk WHERE blob IN
+             (SELECT blob FROM entry_blob AS mine WHERE entry = ?1 AND NOT EXISTS
+              (SELECT 1 FROM entry_blob AS other WHERE other.blob = mine.blob AND other.entry <> ?1))",
+        )?;
+        Ok(deltas + operation + blobs)
+    }
+
+    /// What all of the history takes in the file, in bytes, summed up anew.
+    pub(crate) fn history_bytes(&self) -> Result<u64> {
+        self.statement(
+            "SELECT (SELECT coalesce(sum(length(bytes)), 0) FROM delta)
+                  + (SELECT coalesce(sum(length(CAST(operation AS BLOB))), 0) FROM entry WHERE id <> 0)
+                  + (SELECT coalesce(sum(length(bytes)), 0) FROM blob_chunk)",
+        )
+        .and_then(|mut statement| statement.query_row([], |row| row.get::<_, i64>(0)))
+        .map(i64::cast_unsigned)
+        .map_err(|err| self.fault(err))
+    }
+
+    /// Removes an entry that has no children, with its deltas and what only it needs. Whoever redid to it no longer does.
+    pub(crate) fn delete_entry(&self, entry: EntryId) -> Result<()> {
+        for sql in [
+            "DELETE FROM delta WHERE entry = ?1",
+            "DELETE FROM layer_change WHERE entry = ?1",
+            "UPDATE entry SET next = NULL WHERE next = ?1",
+            "DELETE FROM blob_chunk WHERE blob IN
+             (SELECT blob FROM entry_blob AS mine WHERE entry = ?1 AND NOT EXISTS
+              (SELECT 1 FROM entry_blob AS other WHERE other.blob = mine.blob AND other.entry <> ?1))",
+            "DELETE FROM entry_blob WHERE entry = ?1",
+            "DELETE FROM entry WHERE id = ?1",
+        ] {
+            self.statement(sql)
+                .and_then(|mut statement| statement.execute([entry.0]))
+                .map_err(|err| self.fault(err))?;
+        }
+        self.statement("DELETE FROM blob WHERE id NOT IN (SELECT blob FROM entry_blob)")
+            .and_then(|mut statement| statement.execute([]))
             .map_err(|err| self.fault(err))?;
         Ok(())
     }
 
+    /// Puts an entry on top of another one than before.
+    pub(crate) fn set_parent(&self, entry: EntryId, parent: EntryId) -> Result<()> {
+        let row = EntryRow { parent: Some(parent), ..self.entry(entry)? };
+        self.statement("UPDATE entry SET parent = ?2, checksum = ?3 WHERE id = ?1")
+            .and_then(|mut statement| statement.execute(params![entry.0, parent.0, row.checksum()]))
+            .map_err(|err| self.fault(err))?;
+        Ok(())
+    }
+
+    /// Makes what an entry did to the layers part of what `base` did.
+    pub(crate) fn fold_layer_changes(&self, entry: EntryId, base: EntryId) -> Result<()> {
+        for change in self.layer_changes(entry)? {
+            self.set_layer_change(base, &LayerChange { before: None, ..change })?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn insert_layer_change(&self, entry: EntryId, change: &LayerChange) -> Result<()> {
+        self.statement("INSERT INTO layer_change (entry, layer, before, after, checksum) VALUES (?1, ?2, ?3, ?4, ?5)")
+            .and_then(|mut statement| {
+                let checksum = change.checksum(entry);
+                statement.execute(params![entry.0, change.layer, change.before, change.after, checksum])
+            })
+            .map_err(|err| self.fault(err))?;
+        Ok(())
+    }
+
+    /// As [`Self::insert_layer_change`], in place of what the same entry did to the layer before.
+    pub(crate) fn set_layer_change(&self, entry: EntryId, change: &LayerChange) -> Result<()> {
+        self.statement("DELETE FROM layer_change WHERE entry = ?1 AND layer = ?2")
+            .and_then(|mut statement| statement.execute(params![entry.0, change.layer]))
+            .map_err(|err| self.fault(err))?;
+        self.insert_layer_change(entry, change)
+    }
+
     pub(crate) fn layer_changes(&self, entry: EntryId) -> Result<Vec<LayerChange>> {
-        let rows: Vec<(LayerChange, Checksum)> = self
-            .conn
-            .prepare_cached(
+        let rows: Vec<(LayerChange, Checksum)> = self.statement(
                 "SELECT layer, before, after, checksum FROM layer_change WHERE entry = ?1 ORDER BY layer",
             )
             .and_then(|mut statement| {
@@ -229,36 +307,45 @@ impl Database {
         let written = match state {
             Some(state) => {
                 let layer = SavedLayer { id, state: state.to_owned() };
-                self.conn.execute(
+                self.statement(
                     "INSERT INTO layer (id, state, checksum) VALUES (?1, ?2, ?3)
                      ON CONFLICT (id) DO UPDATE SET state = excluded.state, checksum = excluded.checksum",
-                    params![id, layer.state, layer.checksum()],
                 )
+                .and_then(|mut statement| statement.execute(params![id, layer.state, layer.checksum()]))
             }
-            None => self.conn.execute("DELETE FROM layer WHERE id = ?1", [id]),
+            None => self
+                .statement("DELETE FROM layer WHERE id = ?1")
+                .and_then(|mut statement| statement.execute([id])),
         };
         written.map_err(|err| self.fault(err))?;
         Ok(())
     }
 
     pub(crate) fn saved_layers(&self) -> Result<Vec<SavedLayer>> {
-        let rows: Vec<(SavedLayer, Checksum)> = self
-            .conn
-            .prepare("SELECT id, state, checksum FROM layer ORDER BY id")
+        let mut problems = Vec::new();
+        let layers = self.layer_states_as_found(&mut problems)?;
+        match problems.into_iter().next() {
+            Some(problem) => Err(Error::damaged(self.path(), problem)),
+            None => Ok(layers.into_iter().map(|(id, state)| SavedLayer { id, state }).collect()),
+        }
+    }
+
+    /// The layers' ids and JSON, whatever fails its checksum, with what that is.
+    pub(crate) fn layer_states_as_found(&self, problems: &mut Vec<String>) -> Result<Vec<(u32, String)>> {
+        let rows: Vec<(u32, String, Vec<u8>)> = self
+            .statement("SELECT id, state, checksum FROM layer ORDER BY id")
             .and_then(|mut statement| {
-                let rows = statement.query_map([], |row| {
-                    Ok((SavedLayer { id: row.get(0)?, state: row.get(1)? }, row.get(2)?))
-                })?;
-                rows.collect()
+                statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))?.collect()
             })
             .map_err(|err| self.fault(err))?;
-        let checked = rows.into_iter().map(|(layer, checksum)| {
-            if layer.checksum() == checksum {
-                Ok(layer)
-            } else {
-                Err(Error::damaged(self.path(), format!("layer {} fails its checksum", layer.id)))
+        let mut layers = Vec::with_capacity(rows.len());
+        for (id, state, checksum) in rows {
+            let layer = SavedLayer { id, state };
+            if layer.checksum() != *checksum {
+                problems.push(format!("layer {id} fails its checksum"));
             }
-        });
-        checked.collect()
+            layers.push((id, layer.state));
+        }
+        Ok(layers)
     }
 }

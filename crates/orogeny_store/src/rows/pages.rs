@@ -1,6 +1,8 @@
 //! Pages and the deltas of the history: coded bytes with their place.
 
-use orogeny_field::{FieldId, PageKey, PageLayout};
+use std::ops::Range;
+
+use orogeny_field::{FieldId, HeightBounds, PageKey, PageLayout};
 use rusqlite::{OptionalExtension as _, Row, params};
 
 use crate::checksum::{self, Checksum};
@@ -8,13 +10,21 @@ use crate::database::Database;
 use crate::{EntryId, Error, Result, codec};
 
 /// A page as it lies in the file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PageRow {
     pub(crate) key: PageKey,
-    /// The entry whose state it holds.
-    pub(crate) revision: EntryId,
+    pub(crate) info: PageInfo,
     pub(crate) codec: u8,
     pub(crate) bytes: Vec<u8>,
+}
+
+/// What the directory says of a page.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PageInfo {
+    /// The entry whose state it holds; for a page above level 0 the last one of those below it.
+    pub(crate) revision: EntryId,
+    /// Lowest and highest height at full resolution, within the terrain.
+    pub(crate) bounds: HeightBounds,
 }
 
 /// What an entry did to a page, as it lies in the file: after minus before.
@@ -44,11 +54,9 @@ fn max_blob_bytes(layout: PageLayout) -> i64 {
 impl Database {
     /// A page, its checksum verified; `None` where the terrain has no such page.
     pub(crate) fn page(&self, layout: PageLayout, key: &PageKey) -> Result<Option<PageRow>> {
-        type Columns = (u32, u8, Checksum, Option<i64>, Option<Vec<u8>>);
-        let columns: Option<Columns> = self
-            .conn
-            .prepare_cached(
-                "SELECT page.revision, page.codec, page.checksum, length(page_data.bytes),
+        type Columns = (u32, f32, f32, u8, Checksum, Option<i64>, Option<Vec<u8>>);
+        let columns: Option<Columns> = self.statement(
+                "SELECT page.revision, page.min_m, page.max_m, page.codec, page.checksum, length(page_data.bytes),
                         CASE WHEN length(page_data.bytes) <= ?5 THEN page_data.bytes END
                  FROM page LEFT JOIN page_data ON page_data.id = page.data
                  WHERE page.field = ?1 AND page.level = ?2 AND page.z = ?3 AND page.x = ?4",
@@ -56,7 +64,15 @@ impl Database {
             .and_then(|mut statement| {
                 statement
                     .query_row(params![key.field.0, key.level, key.z, key.x, max_blob_bytes(layout)], |row| {
-                        Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?, row.get(4)?))
+                        Ok((
+                            row.get(0)?,
+                            row.get(1)?,
+                            row.get(2)?,
+                            row.get(3)?,
+                            row.get(4)?,
+                            row.get(5)?,
+                            row.get(6)?,
+                        ))
                     })
                     .optional()
             })
@@ -64,7 +80,7 @@ impl Database {
                 Error::Damaged { detail, .. } => Error::damaged_page(*key, detail),
                 err => err,
             })?;
-        let Some((revision, codec, checksum, length, bytes)) = columns else { return Ok(None) };
+        let Some((revision, min_m, max_m, codec, checksum, length, bytes)) = columns else { return Ok(None) };
         let Some(bytes) = bytes else {
             let detail = length.map_or_else(
                 || "its bytes are missing".to_owned(),
@@ -72,40 +88,91 @@ impl Database {
             );
             return Err(Error::damaged_page(*key, detail));
         };
-        let revision = EntryId(revision);
-        if checksum::of_page(key, revision, codec, &bytes) != checksum {
+        let info = PageInfo { revision: EntryId(revision), bounds: HeightBounds { min_m, max_m } };
+        if checksum::of_page(key, info.revision, &info.bounds, codec, &bytes) != checksum {
             return Err(Error::damaged_page(*key, "it fails its checksum"));
         }
-        Ok(Some(PageRow { key: *key, revision, codec, bytes }))
+        self.counters.read(&bytes);
+        Ok(Some(PageRow { key: *key, info, codec, bytes }))
     }
 
-    /// The entry whose state a page holds, without reading the page.
-    pub(crate) fn page_revision(&self, key: &PageKey) -> Result<Option<EntryId>> {
-        self.conn
-            .prepare_cached("SELECT revision FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
+    /// What the directory says of a page, without reading the page; `None` where there is none.
+    pub(crate) fn page_info(&self, key: &PageKey) -> Result<Option<PageInfo>> {
+        self.statement("SELECT revision, min_m, max_m FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
             .and_then(|mut statement| {
                 statement
-                    .query_row(params![key.field.0, key.level, key.z, key.x], |row| row.get(0))
+                    .query_row(params![key.field.0, key.level, key.z, key.x], |row| {
+                        Ok(PageInfo {
+                            revision: EntryId(row.get(0)?),
+                            bounds: HeightBounds { min_m: row.get(1)?, max_m: row.get(2)? },
+                        })
+                    })
                     .optional()
             })
-            .map(|revision| revision.map(EntryId))
             .map_err(|err| self.fault(err))
+    }
+
+    /// How many pages a field has at full resolution.
+    pub(crate) fn num_pages(&self, field: FieldId) -> Result<u64> {
+        self.statement("SELECT count(*) FROM page WHERE field = ?1 AND level = 0")
+            .and_then(|mut statement| statement.query_row([field.0], |row| row.get::<_, i64>(0)))
+            .map(i64::cast_unsigned)
+            .map_err(|err| self.fault(err))
+    }
+
+    /// The pages of a level of a field whose columns and rows lie in these ranges, in the order of their keys.
+    pub(crate) fn page_keys_in(
+        &self,
+        field: FieldId,
+        level: u8,
+        rows: Range<u32>,
+        columns: Range<u32>,
+    ) -> Result<Vec<PageKey>> {
+        self.statement(
+            "SELECT field, level, z, x FROM page
+             WHERE field = ?1 AND level = ?2 AND z >= ?3 AND z < ?4 AND x >= ?5 AND x < ?6 ORDER BY z, x",
+        )
+        .and_then(|mut statement| {
+            let place = params![field.0, level, rows.start, rows.end, columns.start, columns.end];
+            statement.query_map(place, |row| key_from_row(row, 0))?.collect()
+        })
+        .map_err(|err| self.fault(err))
     }
 
     /// The pages of a field at all levels, in the order of their keys.
     pub(crate) fn page_keys(&self, field: FieldId) -> Result<Vec<PageKey>> {
-        self.conn
-            .prepare_cached("SELECT field, level, z, x FROM page WHERE field = ?1 ORDER BY level, z, x")
+        self.statement("SELECT field, level, z, x FROM page WHERE field = ?1 ORDER BY level, z, x")
             .and_then(|mut statement| statement.query_map([field.0], |row| key_from_row(row, 0))?.collect())
             .map_err(|err| self.fault(err))
+    }
+
+    /// As [`Self::page_keys`], at full resolution, up to where the directory is damaged, with what that is.
+    pub(crate) fn page_keys_as_far_as_possible(
+        &self,
+        field: FieldId,
+        problems: &mut Vec<String>,
+    ) -> Vec<PageKey> {
+        let mut keys = Vec::new();
+        let read = self
+            .statement("SELECT field, level, z, x FROM page WHERE field = ?1 AND level = 0 ORDER BY z, x")
+            .and_then(|mut statement| {
+                let mut rows = statement.query([field.0])?;
+                while let Some(row) = rows.next()? {
+                    keys.push(key_from_row(row, 0)?);
+                }
+                Ok(())
+            });
+        if let Err(err) = read {
+            problems.push(format!("the pages of field {} end in damage: {err}", field.0));
+        }
+        keys
     }
 
     /// Up to `limit` pages of all fields that come after `last`.
     pub(crate) fn page_keys_after(&self, last: Option<PageKey>, limit: u32) -> Result<Vec<PageKey>> {
         let (field, level, z, x) =
             last.map_or((-1, -1, -1, -1), |k| (k.field.0.into(), k.level.into(), k.z.into(), k.x.into()));
-        self.conn
-            .prepare_cached(
+        self.statement(
                 "SELECT field, level, z, x FROM page WHERE (field, level, z, x) > (?1, ?2, ?3, ?4)
                  ORDER BY field, level, z, x LIMIT ?5",
             )
@@ -118,56 +185,64 @@ impl Database {
 
     /// Writes a page, new or not.
     pub(crate) fn write_page(&self, page: &PageRow) -> Result<()> {
-        let PageRow { key, revision, codec, bytes } = page;
-        let checksum = checksum::of_page(key, *revision, *codec, bytes);
-        self.write_page_row(key, *revision, *codec, bytes, &checksum).map_err(|err| self.fault(err))
+        self.counters.wrote(&page.bytes);
+        self.write_page_row(page).map_err(|err| self.fault(err))
     }
 
-    fn write_page_row(
-        &self,
-        key: &PageKey,
-        revision: EntryId,
-        codec: u8,
-        bytes: &[u8],
-        checksum: &Checksum,
-    ) -> rusqlite::Result<()> {
+    fn write_page_row(&self, page: &PageRow) -> rusqlite::Result<()> {
+        let key = &page.key;
         let old_data: Option<i64> = self
-            .conn
-            .prepare_cached("SELECT data FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")?
+            .statement("SELECT data FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")?
             .query_row(params![key.field.0, key.level, key.z, key.x], |row| row.get(0))
             .optional()?;
         let data = if let Some(data) = old_data {
-            self.conn
-                .prepare_cached("UPDATE page_data SET bytes = ?2 WHERE id = ?1")?
-                .execute(params![data, bytes])?;
+            self.statement("UPDATE page_data SET bytes = ?2 WHERE id = ?1")?.execute(params![data, page.bytes])?;
             data
         } else {
-            self.conn.prepare_cached("INSERT INTO page_data (bytes) VALUES (?1)")?.execute([bytes])?;
-            self.conn.last_insert_rowid()
+            self.statement("INSERT INTO page_data (bytes) VALUES (?1)")?.insert([&page.bytes])?
         };
-        self.conn
-            .prepare_cached(
-                "INSERT INTO page (field, level, z, x, revision, codec, data, checksum)
-                 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)
-                 ON CONFLICT DO UPDATE SET revision = excluded.revision, codec = excluded.codec,
-                                           data = excluded.data, checksum = excluded.checksum",
-            )?
-            .execute(params![key.field.0, key.level, key.z, key.x, revision.0, codec, data, checksum])?;
+        self.write_page_info(page, data)
+    }
+
+    /// Puts into the directory a page whose bytes lie there already, under the number `data`.
+    pub(crate) fn insert_page_info(&self, page: &PageRow, data: i64) -> Result<()> {
+        self.write_page_info(page, data).map_err(|err| self.fault(err))
+    }
+
+    fn write_page_info(&self, page: &PageRow, data: i64) -> rusqlite::Result<()> {
+        let PageRow { key, info: PageInfo { revision, bounds }, codec, bytes } = page;
+        let checksum = checksum::of_page(key, *revision, bounds, *codec, bytes);
+        self.statement(
+            "INSERT INTO page (field, level, z, x, revision, min_m, max_m, codec, data, checksum)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)
+             ON CONFLICT DO UPDATE SET revision = excluded.revision, min_m = excluded.min_m, max_m = excluded.max_m,
+                                       codec = excluded.codec, data = excluded.data, checksum = excluded.checksum",
+        )?
+        .execute(params![
+            key.field.0,
+            key.level,
+            key.z,
+            key.x,
+            revision.0,
+            bounds.min_m,
+            bounds.max_m,
+            codec,
+            data,
+            checksum
+        ])?;
         Ok(())
     }
 
     /// Removes a page: the field holds its constant there.
     pub(crate) fn delete_page(&self, key: &PageKey) -> Result<()> {
         let place = params![key.field.0, key.level, key.z, key.x];
-        self.conn
-            .prepare_cached(
+        self.statement(
                 "DELETE FROM page_data WHERE id =
                  (SELECT data FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4)",
             )
             .and_then(|mut statement| statement.execute(place))
             .and_then(|_| {
-                self.conn
-                    .prepare_cached("DELETE FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
+                self.statement("DELETE FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
             })
             .and_then(|mut statement| statement.execute(place))
             .map_err(|err| self.fault(err))?;
@@ -177,8 +252,8 @@ impl Database {
     /// Writes what `entry` did to a page, in place of what was there from the same entry.
     pub(crate) fn write_delta(&self, entry: EntryId, delta: &DeltaRow) -> Result<()> {
         let DeltaRow { key, revision_before, codec, bytes } = delta;
-        self.conn
-            .prepare_cached(
+        self.counters.wrote(bytes);
+        self.statement(
                 "INSERT INTO delta (entry, field, level, z, x, revision_before, codec, checksum, bytes)
                  VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)
                  ON CONFLICT (entry, field, level, z, x) DO UPDATE
@@ -203,8 +278,7 @@ impl Database {
     }
 
     pub(crate) fn delete_delta(&self, entry: EntryId, key: &PageKey) -> Result<()> {
-        self.conn
-            .prepare_cached(
+        self.statement(
                 "DELETE FROM delta WHERE entry = ?1 AND field = ?2 AND level = ?3 AND z = ?4 AND x = ?5",
             )
             .and_then(|mut statement| {
@@ -218,9 +292,7 @@ impl Database {
     pub(crate) fn delta(&self, layout: PageLayout, entry: EntryId, key: &PageKey) -> Result<DeltaRow> {
         type Columns = (Option<u32>, u8, Checksum, i64, Option<Vec<u8>>);
         let damaged = |detail: String| Error::DamagedHistory { entry, page: Some(*key), detail };
-        let columns: Option<Columns> = self
-            .conn
-            .prepare_cached(
+        let columns: Option<Columns> = self.statement(
                 "SELECT revision_before, codec, checksum, length(bytes), CASE WHEN length(bytes) <= ?6 THEN bytes END
                  FROM delta WHERE entry = ?1 AND field = ?2 AND level = ?3 AND z = ?4 AND x = ?5",
             )
@@ -244,23 +316,34 @@ impl Database {
         if checksum::of_delta(entry, key, revision_before, codec, &bytes) != checksum {
             return Err(damaged("its delta fails its checksum".to_owned()));
         }
+        self.counters.read(&bytes);
         Ok(DeltaRow { key: *key, revision_before, codec, bytes })
     }
 
     /// The pages that `entry` changed, in the order of their keys.
     pub(crate) fn delta_keys(&self, entry: EntryId) -> Result<Vec<PageKey>> {
-        self.conn
-            .prepare_cached(
+        self.statement(
                 "SELECT field, level, z, x FROM delta WHERE entry = ?1 ORDER BY field, level, z, x",
             )
             .and_then(|mut statement| statement.query_map([entry.0], |row| key_from_row(row, 0))?.collect())
             .map_err(|err| self.fault(err))
     }
 
+    /// The entries that changed a page, oldest first, whether they show or not.
+    pub(crate) fn entries_of_page(&self, key: &PageKey) -> Result<Vec<EntryId>> {
+        self.statement(
+            "SELECT entry FROM delta WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4 ORDER BY entry",
+        )
+        .and_then(|mut statement| {
+            let place = params![key.field.0, key.level, key.z, key.x];
+            statement.query_map(place, |row| row.get(0).map(EntryId))?.collect()
+        })
+        .map_err(|err| self.fault(err))
+    }
+
     /// How many pages `entry` changed, and the bytes of its deltas.
     pub(crate) fn delta_totals(&self, entry: EntryId) -> Result<(u32, u64)> {
-        self.conn
-            .prepare_cached("SELECT count(*), coalesce(sum(length(bytes)), 0) FROM delta WHERE entry = ?1")
+        self.statement("SELECT count(*), coalesce(sum(length(bytes)), 0) FROM delta WHERE entry = ?1")
             .and_then(|mut statement| {
                 statement.query_row([entry.0], |row| Ok((row.get(0)?, row.get::<_, i64>(1)?.cast_unsigned())))
             })
@@ -272,7 +355,9 @@ impl Database {
     pub(crate) fn pages_that_contradict_the_history(&self) -> Result<Vec<(PageKey, bool)>> {
         const LAST_CHANGES: &str = "SELECT field, level, z, x, max(entry) FROM delta
                                     WHERE entry IN applied GROUP BY field, level, z, x";
-        const DIRECTORY: &str = "SELECT field, level, z, x, revision FROM page";
+        // What entries left that were dropped since has no history.
+        const DIRECTORY: &str = "SELECT field, level, z, x, revision FROM page
+                                 WHERE level = 0 AND revision > (SELECT floor FROM document)";
         let mut found = Vec::new();
         for (left, right, is_in_directory) in
             [(DIRECTORY, LAST_CHANGES, true), (LAST_CHANGES, DIRECTORY, false)]
@@ -284,9 +369,7 @@ impl Database {
                  )
                  {left} EXCEPT {right} LIMIT 1000"
             );
-            let keys: Vec<PageKey> = self
-                .conn
-                .prepare(&sql)
+            let keys: Vec<PageKey> = self.statement(&sql)
                 .and_then(|mut statement| statement.query_map([], |row| key_from_row(row, 0))?.collect())
                 .map_err(|err| self.fault(err))?;
             found.extend(keys.into_iter().map(|key| (key, is_in_directory)));
@@ -294,10 +377,22 @@ impl Database {
         Ok(found)
     }
 
+    /// Pages above level 0 over which nothing lies that they could be made of, at most a hundred.
+    pub(crate) fn pages_made_of_nothing(&self) -> Result<Vec<PageKey>> {
+        self.statement(
+            "SELECT field, level, z, x FROM page AS above WHERE level > 0 AND NOT EXISTS
+             (SELECT 1 FROM page AS below WHERE below.field = above.field AND below.level = above.level - 1
+              AND below.z BETWEEN 2 * above.z - 1 AND 2 * above.z + 1
+              AND below.x BETWEEN 2 * above.x - 1 AND 2 * above.x + 1) LIMIT 100",
+        )
+        .and_then(|mut statement| statement.query_map([], |row| key_from_row(row, 0))?.collect())
+        .map_err(|err| self.fault(err))
+    }
+
     /// What SQLite's own check of the file finds, at most a hundred lines.
     pub(crate) fn structural_problems(&self) -> Result<Vec<String>> {
         let lines = |sql: &str| -> rusqlite::Result<Vec<String>> {
-            self.conn.prepare(sql)?.query_map([], |row| row.get(0))?.collect()
+            self.statement(sql)?.query_map([], |row| row.get(0))?.collect()
         };
         let mut problems = lines("PRAGMA integrity_check(100)").map_err(|err| self.fault(err))?;
         problems.retain(|line| line != "ok");

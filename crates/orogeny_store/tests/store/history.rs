@@ -1,6 +1,6 @@
-//! Undo, redo, branches, layers, and two connections on one file.
+//! Undo, redo, branches, layers.
 
-use orogeny_store::{EntryId, EntryState, HistorySummary, Store};
+use orogeny_store::{EntryId, EntryState, Error, HistorySummary, Store};
 
 use crate::support::{Scratch, assert_whole, bits, commit, contents, key, layer, page};
 
@@ -53,9 +53,11 @@ fn what_is_left_behind_stays_in_the_log_as_a_branch() {
     store.undo(3).unwrap();
     assert_eq!(states(&store), [Undone, Branch, Branch, Undone, Undone]);
     let summary = store.history_summary().unwrap();
-    let delta_bytes = store.log().unwrap().iter().map(|entry| entry.delta_bytes).sum();
-    assert_eq!(summary, HistorySummary { num_applied: 0, num_undone: 3, num_branch: 2, delta_bytes });
-    assert!(delta_bytes > 0);
+    let taken = |entry: &orogeny_store::Entry| entry.delta_bytes + entry.operation_json.len() as u64;
+    let size_in_bytes = store.log().unwrap().iter().map(taken).sum();
+    let expected =
+        HistorySummary { size_in_bytes, budget_in_bytes: None, num_applied: 0, num_undone: 3, num_branch: 2 };
+    assert_eq!(summary, expected);
     assert_eq!(store.redo(9).unwrap().len(), 3);
     assert_eq!(bits(&store.load_page(&key).unwrap().unwrap()), bits(&page(5)));
     let parents: Vec<_> = store.log().unwrap().iter().map(|entry| entry.parent.0).collect();
@@ -96,22 +98,54 @@ fn a_layer_is_undone_with_its_pages_and_comes_back_the_same() {
 }
 
 #[test]
-fn two_stores_on_one_file_follow_each_other() {
+fn any_entry_can_be_jumped_to_on_branches_too() {
+    use EntryState::{Applied, Branch};
     let scratch = Scratch::new();
-    let mut one = scratch.create();
-    let mut two = Store::open(&scratch.path()).unwrap();
-    let key = key(&one, 0, 0);
-    commit(&mut one, &[(key, page(1))]);
-    assert_eq!(bits(&two.load_page(&key).unwrap().unwrap()), bits(&page(1)));
-    let mut transaction = two.begin().unwrap();
-    transaction.add_layer(&layer("Two", 0.0)).unwrap();
-    assert_eq!(transaction.commit("{}", "two").unwrap(), EntryId(2));
-    assert_eq!(one.undo(1).unwrap()[0].entry, EntryId(2));
-    assert_eq!(one.layers().len(), 1);
-    let changes = two.redo(5).unwrap();
-    assert_eq!((changes[0].entry, changes[0].layers_changed, two.layers().len()), (EntryId(2), true, 2));
-    let transaction = one.begin().unwrap();
-    assert_eq!(transaction.layers().len(), 2);
-    drop(transaction);
-    assert_whole(&one);
+    let mut store = scratch.create();
+    let field = store.layers()[0].heights;
+    let mut shown = vec![contents(&store, field)];
+    // 1 - 2 - 3 - 4, 2 - 5 - 6, 1 - 7
+    for (id, parent) in [(1, 0), (2, 1), (3, 2), (4, 3), (5, 2), (6, 5), (7, 1)] {
+        store.jump(EntryId(parent)).unwrap();
+        let page_of = key(&store, id % 4, id % 3);
+        assert_eq!(commit(&mut store, &[(page_of, page(id))]), EntryId(id));
+        shown.push(contents(&store, field));
+    }
+    for target in [4, 6, 7, 0, 3, 6, 1, 7, 4, 2, 2] {
+        let from = store.log().unwrap().iter().rev().find(|e| e.state == Applied).map_or(0, |e| e.id.0);
+        let changes = store.jump(EntryId(target)).unwrap();
+        assert_eq!(changes.is_empty(), from == target);
+        assert_eq!(contents(&store, field), shown[target as usize], "from {from} to {target}");
+        assert_whole(&store);
+    }
+    // A branch that was jumped to is the one that redo leads to.
+    store.jump(EntryId(6)).unwrap();
+    store.undo(2).unwrap();
+    assert_eq!(store.redo(9).unwrap().iter().map(|change| change.entry.0).collect::<Vec<_>>(), [5, 6]);
+    assert_eq!(states(&store), [Applied, Applied, Branch, Branch, Applied, Applied, Branch]);
+    let err = store.jump(EntryId(8)).unwrap_err();
+    assert!(matches!(err, Error::UnknownEntry { entry: EntryId(8) }), "{err}");
+}
+
+#[test]
+fn clocks_that_jump_change_nothing_but_what_is_said() {
+    use std::time::{Duration, SystemTime, UNIX_EPOCH};
+    let scratch = Scratch::new();
+    let mut store = scratch.create();
+    let clocks: [fn() -> SystemTime; 3] = [
+        || UNIX_EPOCH + Duration::from_secs(4_000_000_000),
+        || UNIX_EPOCH - Duration::from_secs(5),
+        || UNIX_EPOCH + Duration::from_secs(1),
+    ];
+    let at = key(&store, 1, 1);
+    for (clock, seed) in clocks.into_iter().zip(1..) {
+        store.set_clock(clock);
+        commit(&mut store, &[(at, page(seed))]);
+    }
+    let times: Vec<_> = store.log().unwrap().iter().map(|entry| entry.time_unix_ms).collect();
+    assert_eq!(times, [4_000_000_000_000, 0, 1000]);
+    assert_eq!(store.undo(2).unwrap().len(), 2);
+    assert_eq!(bits(&store.load_page(&at).unwrap().unwrap()), bits(&page(1)));
+    store.redo(1).unwrap();
+    assert_whole(&store);
 }

@@ -3,9 +3,13 @@
 
 #![cfg(test)]
 
+mod blobs;
+mod budget;
 mod damage;
 mod history;
+mod levels;
 mod model;
 mod opening;
 mod operations;
+mod readers;
 mod support;

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use orogeny_field::{FieldId, Page, PageKey};
-use orogeny_store::{EntryState, Layer, Store};
+use orogeny_store::{EntryId, EntryState, Layer, Store};
 use proptest::prelude::*;
 
-use crate::support::{Scratch, assert_whole, bits, contents, layer, layout, page};
+use crate::support::{Scratch, assert_whole, bits, contents, layer, layout, page, painted};
 
 #[derive(Debug, Clone)]
 enum Content {
@@ -25,7 +25,6 @@ enum Content {
 #[derive(Debug, Clone)]
 struct PageWrite {
     layer: prop::sample::Index,
-    level: u8,
     x: u32,
     z: u32,
     content: Content,
@@ -36,6 +35,7 @@ enum Step {
     Operation { rounds: Vec<Vec<PageWrite>>, adds_layer: bool, is_dropped: bool },
     Undo(u32),
     Redo(u32),
+    Jump(prop::sample::Index),
     Reopen,
 }
 
@@ -52,14 +52,15 @@ fn content() -> impl Strategy<Value = Content> {
 }
 
 fn step() -> impl Strategy<Value = Step> {
-    let write = (any::<prop::sample::Index>(), 0_u8..2, 0_u32..3, 0_u32..2, content())
-        .prop_map(|(layer, level, x, z, content)| PageWrite { layer, level, x, z, content });
+    let write = (any::<prop::sample::Index>(), 0_u32..5, 0_u32..3, content())
+        .prop_map(|(layer, x, z, content)| PageWrite { layer, x, z, content });
     let rounds = prop::collection::vec(prop::collection::vec(write, 0..5), 1..4);
     prop_oneof![
         5 => (rounds, prop::bool::weighted(0.2), prop::bool::weighted(0.15))
             .prop_map(|(rounds, adds_layer, is_dropped)| Step::Operation { rounds, adds_layer, is_dropped }),
         2 => (1_u32..4).prop_map(Step::Undo),
         2 => (1_u32..4).prop_map(Step::Redo),
+        1 => any::<prop::sample::Index>().prop_map(Step::Jump),
         1 => Just(Step::Reopen),
     ]
 }
@@ -114,6 +115,14 @@ impl Model {
         redone.count()
     }
 
+    fn jump(&mut self, target: usize) {
+        self.head = target;
+        let path = self.applied();
+        for (parent, child) in std::iter::once(&0).chain(&path).zip(&path) {
+            self.entries[*parent].next = Some(*child);
+        }
+    }
+
     fn applied(&self) -> Vec<usize> {
         let mut path = Vec::new();
         let mut at = self.head;
@@ -147,8 +156,7 @@ fn operate(
         let mut pages = BTreeMap::new();
         for write in round {
             let layer = &state.layers[write.layer.index(state.layers.len())];
-            let (level, z, x) = (write.level, write.z, write.x);
-            let key = PageKey { field: layer.heights, level, z, x };
+            let key = PageKey::full_resolution(layer.heights, write.x, write.z);
             let constant = bits(&Page::constant(layout(), layer.constant_m));
             let now = state.pages.get(&key).unwrap_or(&constant).clone();
             let new = match &write.content {
@@ -189,7 +197,7 @@ fn assert_same(store: &Store, model: &Model) {
     let expected = model.state();
     assert_eq!(store.layers(), expected.layers);
     let fields: Vec<FieldId> = expected.layers.iter().map(|layer| layer.heights).collect();
-    let found: Vec<_> = fields.iter().flat_map(|field| contents(store, *field)).collect();
+    let found: Vec<_> = fields.iter().flat_map(|field| painted(store, *field)).collect();
     assert_eq!(found, expected.pages.clone().into_iter().collect::<Vec<_>>());
     let log = store.log().unwrap();
     assert_eq!(log.len(), model.entries.len() - 1);
@@ -223,6 +231,11 @@ proptest! {
                 }
                 Step::Undo(count) => prop_assert_eq!(store.undo(count).unwrap().len(), model.undo(count)),
                 Step::Redo(count) => prop_assert_eq!(store.redo(count).unwrap().len(), model.redo(count)),
+                Step::Jump(target) => {
+                    let target = target.index(model.entries.len());
+                    store.jump(EntryId(target as u32)).unwrap();
+                    model.jump(target);
+                }
                 Step::Reopen => {
                     store.close().unwrap();
                     store = Store::open(&scratch.path()).unwrap();

@@ -80,7 +80,14 @@ pub fn commit(store: &mut Store, pages: &[(PageKey, Page)]) -> EntryId {
     transaction.commit("{}", "test").unwrap()
 }
 
-/// Every page of a field, with its bits.
+/// Every page of a field at full resolution, with its bits.
+pub fn painted(store: &Store, field: FieldId) -> Vec<(PageKey, Vec<u32>)> {
+    let mut pages = contents(store, field);
+    pages.retain(|(key, _)| key.level == 0);
+    pages
+}
+
+/// Every page of a field at all levels, with its bits.
 pub fn contents(store: &Store, field: FieldId) -> Vec<(PageKey, Vec<u32>)> {
     let keys = store.page_keys(field).unwrap();
     keys.into_iter().map(|key| (key, bits(&store.load_page(&key).unwrap().unwrap()))).collect()

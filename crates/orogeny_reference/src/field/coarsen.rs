@@ -1,0 +1,51 @@
+//! The next level of a field: the `[1 2 1]² / 16` mean centred on every second sample.
+
+use orogeny_field::sanitized_height;
+
+/// One row of the next level from the three rows around its own. Sample `i` of `above` is centred on sample `2 i + 1` of
+/// the rows, so they are one longer than twice as long; what lies beyond the terrain is the caller's to fill with the
+/// sample on the edge.
+///
+/// Opposite neighbours are added first: so a constant comes back exactly, whatever its bits, and mirroring the rows mirrors
+/// the result.
+pub fn row(above: &mut [f32], north: &[f32], centre: &[f32], south: &[f32]) {
+    let around = north.windows(3).zip(centre.windows(3)).zip(south.windows(3)).step_by(2);
+    for (above, ((north, centre), south)) in above.iter_mut().zip(around) {
+        if let ([n0, n1, n2], [c0, c1, c2], [s0, s1, s2]) = (north, centre, south) {
+            let column = |north: &f32, centre: &f32, south: &f32| (north + south) + (centre + centre);
+            let (west, middle, east) = (column(n0, c0, s0), column(n1, c1, s1), column(n2, c2, s2));
+            *above = sanitized_height(((west + east) + (middle + middle)) * 0.0625);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_sample_is_the_mean_around_its_own() {
+        let (north, centre, south) = ([1.0, 2.0, 3.0, 4.0, 5.0], [10.0; 5], [-1.0, 0.0, 1.0, 0.0, -1.0]);
+        let mut above = [f32::NAN; 2];
+        row(&mut above, &north, &centre, &south);
+        // (1 + 2*2 + 3 + 2*(10 + 2*10 + 10) - 1 + 0 + 1) / 16, and the same two samples on.
+        assert_eq!(above, [(8.0 + 80.0 + 0.0) / 16.0, (16.0 + 80.0 + 0.0) / 16.0]);
+    }
+
+    #[test]
+    fn a_constant_comes_back_bit_for_bit() {
+        for bits in [0x3f80_0001_u32, 0x4b18_967f, 0xcb18_9680, 0x0080_0000, 0x4248_f5c3] {
+            let constant = [f32::from_bits(bits); 7];
+            let mut above = [f32::NAN; 3];
+            row(&mut above, &constant, &constant, &constant);
+            assert_eq!(above.map(f32::to_bits), [bits; 3]);
+        }
+    }
+
+    #[test]
+    fn what_is_no_height_does_not_come_out() {
+        let mut above = [f32::NAN; 1];
+        row(&mut above, &[1.0e-45; 3], &[1.0e-45; 3], &[1.0e-45; 3]);
+        assert_eq!(above[0].to_bits(), 0);
+    }
+}

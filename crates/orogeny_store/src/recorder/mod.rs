@@ -1,0 +1,376 @@
+//! Commits behind the painting: operations are handed over when they are finished, and made durable by a thread of their own,
+//! in order, while the next one is painted.
+//!
+//! One finished operation may wait; the next one waits for it at its own end. So the painting is never more than one
+//! operation ahead of the disk, and [`Recorder::flush`] tells when there is nothing left to lose. Pages on their way to the
+//! file are read from memory meanwhile, so what was painted is seen at once. Should a commit fail, the operation that was
+//! being painted on top of it fails with it, and the terrain is as it was before both.
+
+mod state;
+mod thread;
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Sender, channel, sync_channel};
+use std::thread::JoinHandle;
+
+use orogeny_field::{FieldId, Page, PageKey, PageLayout, TerrainGrid};
+
+use crate::{Change, Dropped, EntryId, Error, Layer, NewLayer, Result, Store, Transaction};
+use state::{Kept, Shared};
+use thread::Task;
+
+/// A terrain open for writing, whose operations are made durable behind the painting.
+pub struct Recorder {
+    /// What is on disk, read beside the writer. Goes first, so that the writer is the last to close the file.
+    reader: Option<Store>,
+    /// `None` once it is closed.
+    tasks: Option<Sender<Task>>,
+    thread: Option<JoinHandle<Result<()>>>,
+    shared: Arc<Shared>,
+    /// Bytes of pages on their way that painting may be ahead.
+    max_pending_bytes: u64,
+    /// The last entry that was handed over.
+    last_entry: EntryId,
+}
+
+impl std::fmt::Debug for Recorder {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Recorder").field("store", &self.reader).finish_non_exhaustive()
+    }
+}
+
+/// An operation, or several that are done together or not at all, on its way to the file. Dropping it takes it back.
+#[derive(Debug)]
+pub struct Recording<'recorder> {
+    recorder: &'recorder mut Recorder,
+    /// Counts entries over the life of the recorder: the one being painted.
+    number: u64,
+    layers: Vec<Layer>,
+    last_entry: EntryId,
+    is_finished: bool,
+}
+
+impl Recorder {
+    /// Takes a store that is open for writing. Painting may be `max_pending_bytes` of pages ahead of the file; at least one
+    /// write is always accepted.
+    ///
+    /// # Errors
+    /// When the file cannot be opened a second time, for reading; [`Error::OpenedToRead`].
+    pub fn start(store: Store, max_pending_bytes: u64) -> Result<Self> {
+        store.refuse_unless_writable()?;
+        let reader = Store::open_to_read(store.path())?;
+        let last_entry = EntryId(reader.document.last_entry);
+        let shared = Arc::<Shared>::default();
+        let (tasks, received) = channel();
+        let thread = thread::start(store, received, Arc::clone(&shared))?;
+        Ok(Self {
+            reader: Some(reader),
+            tasks: Some(tasks),
+            thread: Some(thread),
+            shared,
+            max_pending_bytes,
+            last_entry,
+        })
+    }
+
+    /// The terrain as it is on disk. What is on its way is not in it.
+    ///
+    /// # Errors
+    /// [`Error::WriterGone`] once the recorder was closed.
+    pub fn on_disk(&self) -> Result<&Store> {
+        self.reader.as_ref().ok_or(Error::WriterGone)
+    }
+
+    /// Reads a page, with what is on its way to the file; `None` where the field holds its constant.
+    ///
+    /// # Errors
+    /// [`Error::DamagedPage`] when the page fails its checksum or does not decode.
+    pub fn load_page(&self, key: &PageKey) -> Result<Option<Arc<Page>>> {
+        self.load(key, None)
+    }
+
+    /// Starts an operation.
+    ///
+    /// # Errors
+    /// What went wrong with the last one, which was not made durable; [`Error::WriterGone`].
+    pub fn begin(&mut self) -> Result<Recording<'_>> {
+        self.take_failure()?;
+        let number = self.shared.lock().add_entry();
+        self.send(Task::Begin)?;
+        let (layers, last_entry) = (self.on_disk()?.layers().to_vec(), self.last_entry);
+        Ok(Recording { recorder: self, number, layers, last_entry, is_finished: false })
+    }
+
+    /// Waits until everything finished is on disk.
+    ///
+    /// # Errors
+    /// What went wrong with the last operation, which was not made durable; the terrain is as before it.
+    pub fn flush(&mut self) -> Result<()> {
+        self.shared.wait_until_durable();
+        self.take_failure()
+    }
+
+    /// What had to go from the history since this was last asked, to keep to its budget.
+    pub fn take_dropped(&mut self) -> Dropped {
+        std::mem::take(&mut self.shared.lock().dropped)
+    }
+
+    /// Undoes operations, as [`Store::undo`].
+    ///
+    /// # Errors
+    /// As there, and as [`Self::flush`].
+    pub fn undo(&mut self, count: u32) -> Result<Vec<Change>> {
+        self.with_store(move |store| store.undo(count))
+    }
+
+    /// Redoes operations, as [`Store::redo`].
+    ///
+    /// # Errors
+    /// As there, and as [`Self::flush`].
+    pub fn redo(&mut self, count: u32) -> Result<Vec<Change>> {
+        self.with_store(move |store| store.redo(count))
+    }
+
+    /// Goes to any entry, as [`Store::jump`].
+    ///
+    /// # Errors
+    /// As there, and as [`Self::flush`].
+    pub fn jump(&mut self, target: EntryId) -> Result<Vec<Change>> {
+        self.with_store(move |store| store.jump(target))
+    }
+
+    /// Runs anything on the store, when everything finished is on disk, and waits for it.
+    ///
+    /// # Errors
+    /// What `work` says, and as [`Self::flush`].
+    pub fn with_store<T: Send + 'static>(
+        &mut self,
+        work: impl FnOnce(&mut Store) -> Result<T> + Send + 'static,
+    ) -> Result<T> {
+        self.flush()?;
+        let (reply, replied) = sync_channel(1);
+        self.send(Task::WithStore(Box::new(move |store| {
+            // Whoever asked may have stopped waiting.
+            reply.send(work(store)).ok();
+        })))?;
+        let result = replied.recv().map_err(|_| Error::WriterGone)?;
+        self.look_again()?;
+        result
+    }
+
+    /// Bytes of pages kept in memory: those on their way, and those that the writer remembers.
+    #[must_use]
+    pub fn memory_in_bytes(&self) -> u64 {
+        let state = self.shared.lock();
+        state.pending_bytes + state.cached_bytes
+    }
+
+    /// Waits until everything finished is on disk, and closes the terrain as [`Store::close`].
+    ///
+    /// # Errors
+    /// As [`Self::flush`] and [`Store::close`].
+    pub fn close(mut self) -> Result<()> {
+        let flushed = self.flush();
+        flushed.and(self.end())
+    }
+
+    fn end(&mut self) -> Result<()> {
+        self.reader = None;
+        self.tasks = None;
+        let Some(thread) = self.thread.take() else { return Ok(()) };
+        thread.join().unwrap_or(Err(Error::WriterGone))
+    }
+
+    fn send(&self, task: Task) -> Result<()> {
+        let tasks = self.tasks.as_ref().ok_or(Error::WriterGone)?;
+        tasks.send(task).map_err(|_| Error::WriterGone)
+    }
+
+    /// The page as of the entry `before`, without it; as of now for `None`.
+    fn load(&self, key: &PageKey, before: Option<u64>) -> Result<Option<Arc<Page>>> {
+        let kept = self.shared.lock().kept(key, before);
+        match kept {
+            Some(Kept::InMemory(page)) => Ok(Some(page)),
+            Some(Kept::InTransaction) => {
+                let (reply, replied) = sync_channel(1);
+                self.send(Task::Load { key: *key, before: before.is_some(), reply })?;
+                replied.recv().map_err(|_| Error::WriterGone)?
+            }
+            None => self.on_disk()?.load_page(key),
+        }
+    }
+
+    fn take_failure(&mut self) -> Result<()> {
+        let (failure, is_gone) = {
+            let mut state = self.shared.lock();
+            (state.failure.take(), state.is_gone)
+        };
+        match failure {
+            Some(err) => {
+                self.look_again()?;
+                Err(err)
+            }
+            None if is_gone => Err(Error::WriterGone),
+            None => Ok(()),
+        }
+    }
+
+    /// Looks again at what is on disk.
+    fn look_again(&mut self) -> Result<()> {
+        let reader = self.reader.as_mut().ok_or(Error::WriterGone)?;
+        reader.refresh()?;
+        self.last_entry = EntryId(reader.document.last_entry);
+        Ok(())
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        // What is finished is made durable; whoever wants to hear whether it was, closes.
+        self.end().ok();
+    }
+}
+
+impl Recording<'_> {
+    /// How planes are cut into pages.
+    ///
+    /// # Errors
+    /// [`Error::WriterGone`].
+    pub fn layout(&self) -> Result<PageLayout> {
+        Ok(self.recorder.on_disk()?.layout())
+    }
+
+    /// Size and sample spacing.
+    ///
+    /// # Errors
+    /// [`Error::WriterGone`].
+    pub fn grid(&self) -> Result<TerrainGrid> {
+        Ok(self.recorder.on_disk()?.grid())
+    }
+
+    /// The layers, from the bottom, with those added here.
+    #[must_use]
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
+    }
+
+    /// Reads a page as this recording left it; `None` where the field holds its constant.
+    ///
+    /// # Errors
+    /// As [`Recorder::load_page`].
+    pub fn load_page(&self, key: &PageKey) -> Result<Option<Arc<Page>>> {
+        self.recorder.load(key, None)
+    }
+
+    /// Reads a page as it was before the entry that is [recorded](Self::record) next.
+    ///
+    /// # Errors
+    /// As [`Recorder::load_page`].
+    pub fn load_page_before(&self, key: &PageKey) -> Result<Option<Arc<Page>>> {
+        self.recorder.load(key, Some(self.number))
+    }
+
+    /// Hands over changed pages; waits while painting is too far ahead. What is wrong with them may come to light only
+    /// later.
+    ///
+    /// # Errors
+    /// What went wrong with an earlier write or operation: this recording can then only be dropped.
+    pub fn write_pages(&mut self, pages: Vec<(PageKey, Page)>) -> Result<()> {
+        let pages: Vec<_> = pages.into_iter().map(|(key, page)| (key, Arc::new(page))).collect();
+        self.recorder.shared.wait_for_room(self.recorder.max_pending_bytes);
+        self.recorder.take_failure()?;
+        self.recorder.shared.lock().add_pages(self.number, &pages);
+        self.recorder.send(Task::Write { number: self.number, pages })
+    }
+
+    /// Puts a layer on top of the stack, as [`Transaction::add_layer`], and waits for it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn add_layer(&mut self, new: NewLayer) -> Result<Layer> {
+        let layer = self.with_transaction(move |transaction| transaction.add_layer(&new))?;
+        self.layers.push(layer.clone());
+        Ok(layer)
+    }
+
+    /// Runs anything on the transaction, when everything handed over is in it, and waits for it.
+    ///
+    /// # Errors
+    /// What `work` says, and what went wrong with an earlier write.
+    pub fn with_transaction<T: Send + 'static>(
+        &mut self,
+        work: impl FnOnce(&mut Transaction<'_>) -> Result<T> + Send + 'static,
+    ) -> Result<T> {
+        let (reply, replied) = sync_channel(1);
+        self.recorder.send(Task::WithTransaction(Box::new(move |transaction| {
+            reply.send(work(transaction)).ok();
+        })))?;
+        match replied.recv() {
+            Ok(result) => result,
+            // The transaction had failed, so that nothing was run on it.
+            Err(_) => self.recorder.take_failure().and(Err(Error::TransactionFailed)),
+        }
+    }
+
+    /// Ends what was done since the last record as one entry of the history, as [`Transaction::record`].
+    ///
+    /// # Errors
+    /// As [`Self::write_pages`].
+    pub fn record(&mut self, operation_json: String, author: &str) -> Result<EntryId> {
+        let author = author.to_owned();
+        self.recorder.send(Task::Record { operation_json, author })?;
+        self.number = self.recorder.shared.lock().add_entry();
+        self.last_entry = EntryId(self.last_entry.0.saturating_add(1));
+        Ok(self.last_entry)
+    }
+
+    /// Hands over what was recorded: it is made durable while others go on. First waits for the operation before it.
+    ///
+    /// # Errors
+    /// What went wrong with the operation before it, or with this one as far as is known: neither was made durable.
+    pub fn finish(mut self) -> Result<()> {
+        self.recorder.shared.wait_until_durable();
+        self.recorder.take_failure()?;
+        self.recorder.shared.lock().num_commits_under_way += 1;
+        self.recorder.send(Task::Commit { last_number: self.number })?;
+        self.is_finished = true;
+        self.recorder.last_entry = self.last_entry;
+        if self.layers.len() == self.recorder.on_disk()?.layers().len() {
+            return Ok(());
+        }
+        // Layers are rare: everyone sees a new one at once.
+        self.recorder.flush()?;
+        self.recorder.look_again()
+    }
+}
+
+impl Drop for Recording<'_> {
+    fn drop(&mut self) {
+        if !self.is_finished {
+            // Where the thread is gone there is nothing to take back.
+            self.recorder.send(Task::Abort { last_number: self.number }).ok();
+            self.recorder.shared.wait_until_taken_back(self.number);
+        }
+    }
+}
+
+/// The path of the terrain and the fields there are, for those who only have a recorder.
+impl Recorder {
+    /// Where the file is, absolute.
+    ///
+    /// # Errors
+    /// [`Error::WriterGone`].
+    pub fn path(&self) -> Result<&Path> {
+        Ok(self.on_disk()?.path())
+    }
+
+    /// What a field holds where it has no page.
+    ///
+    /// # Errors
+    /// [`Error::UnknownField`]; [`Error::WriterGone`].
+    pub fn constant(&self, field: FieldId) -> Result<f32> {
+        let fields = self.on_disk()?.fields();
+        fields.get(&field).map(|field| field.constant).ok_or(Error::UnknownField { field })
+    }
+}

@@ -1,0 +1,136 @@
+//! Saving what can be read of a damaged terrain into a new one.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use orogeny_field::{FieldId, Page, PageKey};
+
+use crate::database::Database;
+use crate::rows::Document;
+use crate::store::Stack;
+use crate::{Error, Field, FieldKind, Layer, NewLayer, NewTerrain, Result, Store, Transaction, content};
+
+/// What [`Store::salvage`] saved, and how.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Salvaged {
+    /// Pages that were whole.
+    pub num_whole_pages: u64,
+    /// Pages that were made again from the history, bit for bit.
+    pub pages_from_history: Vec<PageKey>,
+    /// Pages of which only a coarser level was left, by the level.
+    pub pages_from_coarser_levels: Vec<(PageKey, u8)>,
+    /// Pages of which nothing was left.
+    pub lost_pages: Vec<PageKey>,
+    /// What else was damaged, for people.
+    pub problems: Vec<String>,
+}
+
+impl Store {
+    /// Copies what can be read of a terrain into a new one at `to`: layers, masks and pages, with what is damaged replaced by
+    /// the best that is left. The history is not copied. The damaged terrain is not changed.
+    ///
+    /// # Errors
+    /// When the file is so damaged that not even the size of the terrain is left; [`Error::Exists`] where there is a file at
+    /// `to` already, and what else [`Self::create`] may say.
+    pub fn salvage(from: &Path, to: &Path) -> Result<Salvaged> {
+        let mut salvaged = Salvaged::default();
+        let db = Database::open_to_read(from)?;
+        let (document, is_whole) = db.document_unchecked()?;
+        if !is_whole {
+            salvaged.problems.push("the row that says what terrain it is fails its checksum".to_owned());
+        }
+        let stack = Stack::as_found(&db, &mut salvaged.problems)?;
+        let source = Self::reader(db, document, stack);
+        let Document { grid, layout, .. } = source.document;
+        let mut target = Self::create(to, &NewTerrain { grid, layout, layers: Vec::new() })?;
+        let mut transaction = target.begin()?;
+        for layer in &source.stack.layers {
+            copy_layer(&source, layer, &mut transaction, &mut salvaged)?;
+        }
+        let name = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let operation = serde_json::json!({ "op": "salvage", "from": name });
+        transaction.commit(&operation.to_string(), "")?;
+        target.close()?;
+        Ok(salvaged)
+    }
+}
+
+fn copy_layer(
+    source: &Store,
+    layer: &Layer,
+    transaction: &mut Transaction<'_>,
+    salvaged: &mut Salvaged,
+) -> Result<()> {
+    let constant_m = layer.constant_m;
+    let made = transaction.add_layer(&NewLayer { name: layer.name.clone(), constant_m })?;
+    copy_pages(source, layer.heights, made.heights, transaction, salvaged)?;
+    let mut copy = Layer { mask: None, id: made.id, ..layer.clone() };
+    if let Some(mask) = layer.mask {
+        let constant = source.stack.fields.get(&mask).map_or(1.0, |field| field.constant);
+        let field = transaction.add_field(Field { kind: FieldKind::Mask, constant })?;
+        copy_pages(source, mask, field, transaction, salvaged)?;
+        copy.mask = Some(field);
+    }
+    transaction.set_layer(&copy)
+}
+
+fn copy_pages(
+    source: &Store,
+    from: FieldId,
+    to: FieldId,
+    transaction: &mut Transaction<'_>,
+    salvaged: &mut Salvaged,
+) -> Result<()> {
+    let keys = source.db.page_keys_as_far_as_possible(from, &mut salvaged.problems);
+    for batch in keys.chunks(content::pages_per_batch(source.layout())) {
+        let mut pages: Vec<(PageKey, Arc<Page>)> = Vec::with_capacity(batch.len());
+        for key in batch {
+            let page = saved_page(source, key, salvaged)?;
+            pages.extend(page.map(|page| (PageKey { field: to, ..*key }, page)));
+        }
+        transaction.write_pages(&pages)?;
+    }
+    Ok(())
+}
+
+/// The best that is left of a page.
+fn saved_page(source: &Store, key: &PageKey, salvaged: &mut Salvaged) -> Result<Option<Arc<Page>>> {
+    if let Ok(page) = source.load_page(key) {
+        salvaged.num_whole_pages += 1;
+        return Ok(page);
+    }
+    if let Ok(Some(content)) = source.page_from_history(key) {
+        salvaged.pages_from_history.push(*key);
+        return Ok(Some(content.page));
+    }
+    match source.load_page_or_coarser(key) {
+        Ok((page, level)) => {
+            salvaged.pages_from_coarser_levels.push((*key, level));
+            Ok(page)
+        }
+        Err(Error::Io { path, detail }) => Err(Error::Io { path, detail }),
+        Err(_) => {
+            salvaged.lost_pages.push(*key);
+            Ok(None)
+        }
+    }
+}
+
+impl Stack {
+    /// As the file says, whatever fails its checksum: what makes sense is taken.
+    fn as_found(db: &Database, problems: &mut Vec<String>) -> Result<Self> {
+        let fields = db.fields_as_found(problems)?;
+        let mut layers = Vec::new();
+        for (id, state) in db.layer_states_as_found(problems)? {
+            match serde_json::from_str::<Layer>(&state) {
+                Ok(layer) => {
+                    let constant_m = fields.get(&layer.heights).map_or(0.0, |field| field.constant);
+                    layers.push(Layer { constant_m, ..layer });
+                }
+                Err(err) => problems.push(format!("layer {id} cannot be read: {err}")),
+            }
+        }
+        layers.sort_by_key(|layer| (layer.position, layer.id));
+        Ok(Self { layers, fields })
+    }
+}

@@ -1,0 +1,142 @@
+//! Files of older versions, brought up to date when they are opened for writing: all of it in one transaction, or nothing.
+//!
+//! Version 1 had no levels above full resolution, no bounds of pages, no data from outside and no budget of the history.
+
+use orogeny_field::{FieldId, HeightBounds, PageKey, PageLayout, TerrainGrid};
+use rusqlite::params;
+
+use crate::checksum::{Checksum, RowHasher};
+use crate::database::Database;
+use crate::pyramid::{self, Changed};
+use crate::rows::{Document, PageInfo, PageRow};
+use crate::store::Stack;
+use crate::{EntryId, Error, Field, FieldKind, Result, content, format};
+
+/// What version 2 makes anew; its rows come from tables that are renamed meanwhile.
+const RENAMED: [&str; 3] = ["document", "field", "page"];
+
+/// Brings a file of version 1 up to date.
+pub(crate) fn from_version_1(db: &Database) -> Result<()> {
+    // Rows name the tables that are made anew; they name the new ones in the end, which is checked.
+    db.run("PRAGMA foreign_keys = OFF")?;
+    db.in_transaction(|| {
+        for table in RENAMED {
+            // Without this, SQLite would make those who refer to the table refer to its new name.
+            db.run("PRAGMA legacy_alter_table = ON")?;
+            db.run(&format!("ALTER TABLE {table} RENAME TO {table}_1"))?;
+        }
+        create_missing_tables(db)?;
+        let document = document(db)?;
+        fields(db)?;
+        let pages = pages(db, &document)?;
+        for table in RENAMED {
+            db.run(&format!("DROP TABLE {table}_1"))?;
+        }
+        db.insert_document(&Document { history_bytes: db.history_bytes()?, ..document.clone() })?;
+        let stack = Stack::load(db)?;
+        pyramid::refresh(db, document.grid, document.layout, |key| stack.constant(key), pages)?;
+        db.run(&format!("PRAGMA user_version = {}", format::FORMAT_VERSION))
+    })?;
+    db.run("PRAGMA legacy_alter_table = OFF; PRAGMA foreign_keys = ON")
+}
+
+/// The tables and indexes of this version that are not there.
+fn create_missing_tables(db: &Database) -> Result<()> {
+    for statement in format::SCHEMA.split(';').filter(|statement| !statement.trim().is_empty()) {
+        let missing = statement
+            .replacen("CREATE TABLE", "CREATE TABLE IF NOT EXISTS", 1)
+            .replacen("CREATE INDEX", "CREATE INDEX IF NOT EXISTS", 1);
+        db.run(&missing)?;
+    }
+    Ok(())
+}
+
+fn damaged(db: &Database, what: &str) -> Error {
+    Error::damaged(db.path(), format!("{what} fails its checksum"))
+}
+
+fn document(db: &Database) -> Result<Document> {
+    type Row = (i64, i64, f64, [u32; 5], Checksum);
+    let (width, depth, spacing_m, numbers, checksum): Row = db
+        .statement(
+            "SELECT width, depth, spacing_m, page_size, head, last_entry, last_layer, last_field, checksum
+             FROM document_1 WHERE id = 1",
+        )
+        .and_then(|mut statement| {
+            statement.query_row([], |row| {
+                let numbers = [row.get(3)?, row.get(4)?, row.get(5)?, row.get(6)?, row.get(7)?];
+                Ok((row.get(0)?, row.get(1)?, row.get(2)?, numbers, row.get(8)?))
+            })
+        })
+        .map_err(|err| db.fault(err))?;
+    let hasher = RowHasher::new("document").number(width).number(depth);
+    let hasher = hasher.number(spacing_m.to_bits().cast_signed());
+    let expected = numbers.iter().fold(hasher, |hasher, number| hasher.number((*number).into())).finish();
+    if expected != checksum {
+        return Err(damaged(db, "the row that says what terrain it is"));
+    }
+    let grid = TerrainGrid::new(width.cast_unsigned(), depth.cast_unsigned(), spacing_m)?;
+    let [page_size, head, last_entry, last_layer, last_field] = numbers;
+    let document = Document::new(grid, PageLayout::new(page_size)?);
+    Ok(Document { sequence: 1, head: EntryId(head), last_entry, last_layer, last_field, ..document })
+}
+
+/// All fields of version 1 hold heights.
+fn fields(db: &Database) -> Result<()> {
+    let rows: Vec<(u32, f32, Checksum)> = db
+        .statement("SELECT id, constant, checksum FROM field_1 ORDER BY id")
+        .and_then(|mut statement| {
+            statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))?.collect()
+        })
+        .map_err(|err| db.fault(err))?;
+    for (id, constant, checksum) in rows {
+        let row = RowHasher::new("field").number(id.into()).number(constant.to_bits().into());
+        if row.finish() != checksum {
+            return Err(damaged(db, &format!("field {id}")));
+        }
+        db.insert_field(FieldId(id), Field { kind: FieldKind::Heights, constant })?;
+    }
+    Ok(())
+}
+
+/// Gives the pages that are there, all of them changed.
+fn pages(db: &Database, document: &Document) -> Result<Changed> {
+    let Document { grid, layout, .. } = *document;
+    let keys: Vec<PageKey> = db
+        .statement("SELECT field, level, z, x FROM page_1 WHERE level = 0 ORDER BY field, z, x")
+        .and_then(|mut statement| {
+            let key = |row: &rusqlite::Row<'_>| {
+                Ok(PageKey { field: FieldId(row.get(0)?), level: row.get(1)?, z: row.get(2)?, x: row.get(3)? })
+            };
+            statement.query_map([], key)?.collect()
+        })
+        .map_err(|err| db.fault(err))?;
+    for key in &keys {
+        let (row, data, checksum) = page(db, key)?;
+        let hasher = RowHasher::new("page").place(key).number(row.info.revision.0.into());
+        if hasher.number(row.codec.into()).bytes(&row.bytes).finish() != checksum {
+            return Err(Error::damaged_page(*key, "it fails its checksum"));
+        }
+        let content = content::decode_page(layout, &row)?;
+        let bounds = content::bounds_of(&grid, layout, key, &content.page);
+        db.insert_page_info(&PageRow { info: PageInfo { bounds, ..row.info }, ..row }, data)?;
+    }
+    let bounds = grid.bounds();
+    Ok(keys.into_iter().map(|key| (key, layout.page_rect(&key).intersection(&bounds))).collect())
+}
+
+/// A page of version 1, the number of its bytes, and its checksum.
+fn page(db: &Database, key: &PageKey) -> Result<(PageRow, i64, Checksum)> {
+    db.statement(
+        "SELECT revision, codec, data, checksum, bytes FROM page_1 JOIN page_data ON page_data.id = page_1.data
+         WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4",
+    )
+    .and_then(|mut statement| {
+        statement.query_row(params![key.field.0, key.level, key.z, key.x], |row| {
+            let info = PageInfo { revision: EntryId(row.get(0)?), bounds: HeightBounds::of(0.0) };
+            let page = PageRow { key: *key, info, codec: row.get(1)?, bytes: row.get(4)? };
+            Ok((page, row.get(2)?, row.get(3)?))
+        })
+    })
+    .map_err(|err| db.fault(err))
+}

@@ -1,0 +1,98 @@
+//! One writer, any number of readers.
+
+use orogeny_store::{EntryId, Error, Store};
+
+use crate::support::{Scratch, assert_whole, bits, commit, contents, key, layer, page};
+
+#[test]
+fn a_second_writer_is_told_who_has_the_terrain() {
+    let scratch = Scratch::new();
+    let store = scratch.create();
+    let err = Store::open(&scratch.path()).unwrap_err();
+    let Error::Busy { holder: Some(holder), .. } = &err else { panic!("{err}") };
+    assert_eq!(holder.process, std::process::id());
+    assert!(err.to_string().contains(&format!("process {}", std::process::id())), "{err}");
+    drop(store);
+    Store::open(&scratch.path()).unwrap();
+}
+
+#[test]
+fn readers_see_the_last_commit_and_change_nothing() {
+    let scratch = Scratch::new();
+    let mut writer = scratch.create();
+    let mut reader = Store::open_to_read(&scratch.path()).unwrap();
+    let at = key(&writer, 0, 0);
+    for seed in 1..4 {
+        commit(&mut writer, &[(at, page(seed))]);
+        assert_eq!(bits(&reader.load_page(&at).unwrap().unwrap()), bits(&page(seed)));
+    }
+    let mut transaction = writer.begin().unwrap();
+    transaction.write_pages(&[(at, page(9))]).unwrap();
+    assert_eq!(bits(&reader.load_page(&at).unwrap().unwrap()), bits(&page(3)));
+    transaction.add_layer(&layer("Two", 0.0)).unwrap();
+    transaction.commit("{}", "two").unwrap();
+    assert_eq!(reader.layers().len(), 1);
+    reader.refresh().unwrap();
+    assert_eq!((reader.layers(), reader.num_commits()), (writer.layers(), writer.num_commits()));
+    assert_whole(&reader);
+    assert!(matches!(reader.begin(), Err(Error::OpenedToRead { .. })));
+    assert!(matches!(reader.undo(1), Err(Error::OpenedToRead { .. })));
+    assert!(matches!(reader.set_history_budget(None), Err(Error::OpenedToRead { .. })));
+    assert!(matches!(reader.compact(), Err(Error::OpenedToRead { .. })));
+    writer.undo(1).unwrap();
+    drop(writer);
+    assert_eq!(reader.log().unwrap().len(), 4);
+    drop(reader);
+    // What a writer has to leave to a reader goes with the next one.
+    Store::open(&scratch.path()).unwrap().close().unwrap();
+    assert_eq!(scratch.files(), ["terrain.orogeny"]);
+}
+
+#[test]
+fn reading_leaves_a_closed_terrain_as_it_is() {
+    let scratch = Scratch::new();
+    let mut store = scratch.create();
+    let at = key(&store, 0, 0);
+    commit(&mut store, &[(at, page(1))]);
+    store.close().unwrap();
+    let bytes = std::fs::read(scratch.path()).unwrap();
+    let reader = Store::open_to_read(&scratch.path()).unwrap();
+    assert_eq!(contents(&reader, at.field).len(), 4);
+    drop(reader);
+    assert_eq!(std::fs::read(scratch.path()).unwrap(), bytes);
+    assert_eq!(scratch.files(), ["terrain.orogeny"]);
+}
+
+#[test]
+fn a_log_that_lost_its_end_is_damage() {
+    let scratch = Scratch::new();
+    let mut store = scratch.create();
+    let at = key(&store, 0, 0);
+    for seed in 1..=6 {
+        commit(&mut store, &[(at, page(seed))]);
+    }
+    // As a kill leaves it: copies of what is on disk while the terrain is open.
+    let copy = scratch.folder().join("copy.orogeny");
+    let suffixed = |suffix: &str| scratch.folder().join(format!("copy.orogeny{suffix}"));
+    for suffix in ["", "-wal", "-head"] {
+        let from = scratch.folder().join(format!("terrain.orogeny{suffix}"));
+        std::fs::copy(from, suffixed(suffix)).unwrap();
+    }
+    drop(store);
+    let log = std::fs::read(suffixed("-wal")).unwrap();
+    std::fs::write(suffixed("-wal"), &log[..log.len() - 1]).unwrap();
+    for open in [Store::open, Store::open_to_read, Store::open] {
+        let err = open(&copy).unwrap_err();
+        assert!(matches!(err, Error::LostCommits { found: 6, acknowledged: 7, .. }), "{err}");
+        assert!(err.to_string().contains("lost its last 1 commits"), "{err}");
+    }
+    let report = Store::check_file(&copy).unwrap();
+    assert!(matches!(report.problems.as_slice(), [Error::LostCommits { .. }]), "{:?}", report.problems);
+    // The rest is whole, and goes on.
+    let repaired = Store::repair(&copy).unwrap();
+    assert_eq!(repaired.lost_commits, Some((6, 7)));
+    let store = Store::open(&copy).unwrap();
+    assert_eq!(bits(&store.load_page(&at).unwrap().unwrap()), bits(&page(5)));
+    assert_eq!(store.log().unwrap().last().unwrap().id, EntryId(5));
+    assert_whole(&store);
+}
