@@ -13,8 +13,8 @@ const CALLS: &str = "trace=openat,open,creat,close,read,lseek,write,writev,pwrit
     truncate,fallocate,copy_file_range,sendfile,fsync,fdatasync,sync_file_range,unlink,unlinkat,rename,renameat,\
     renameat2,link,linkat";
 
-/// Paths and bytes in hexadecimal, and all of the bytes.
-const OPTIONS: [&str; 7] = ["--seccomp-bpf", "-f", "-q", "-y", "-xx", "-s", "1048576"];
+/// Paths and bytes in hexadecimal, and all of the bytes. Not `--seccomp-bpf`: with it no signal is injected.
+const OPTIONS: [&str; 6] = ["-f", "-q", "-y", "-xx", "-s", "1048576"];
 
 /// A child that was run under strace to its end.
 pub struct Traced {
