@@ -1,8 +1,8 @@
 //! A disk in memory, which holds for certain only what was synced.
 //!
-//! What is assumed of it is what file systems in use keep to. A sync of a file settles its content and everything that
-//! came to pass under its name; a sync of the folder settles which names there are. Anything else may have reached the
-//! disk or not, one change without the other, a write in part; the bytes beside a write stay as they are.
+//! What is assumed of it is what POSIX promises and no more: a sync of a file settles its content, a sync of the folder
+//! settles which names there are and what they stand for. Anything else may have reached the disk or not, one change
+//! without the other, a write in part. The bytes beside a write stay as they are, which SQLite assumes too.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,11 +13,20 @@ use crate::support::Seeded;
 /// Files by name.
 pub type Files = BTreeMap<String, Vec<u8>>;
 
+/// What a name stands for, or that it stands for nothing, since it was last made or removed.
 #[derive(Debug, Clone, Default)]
-struct File {
+struct Generation {
     /// What is on disk whatever happens; `None` where that is no file.
     durable: Option<Vec<u8>>,
+    /// Writes and changes of length that were not synced.
     pending: Vec<Change>,
+}
+
+/// A name: what it certainly stood for at some time, and what it was made to stand for since. One of these is there.
+#[derive(Debug, Clone)]
+struct File {
+    certain: Generation,
+    newer: Vec<Generation>,
 }
 
 #[derive(Debug, Clone)]
@@ -46,39 +55,46 @@ const SECTORS: [usize; 2] = [512, 4096];
 impl Disk {
     /// On which `files` are safe.
     pub fn new(files: Files) -> Self {
-        let safe = |(name, bytes)| (name, File { durable: Some(bytes), pending: Vec::new() });
-        Self { files: files.into_iter().map(safe).collect() }
+        Self { files: files.into_iter().map(|(name, bytes)| (name, File::new(Some(bytes)))).collect() }
     }
 
     pub fn take(&mut self, event: &Event) {
         match event {
-            Event::Change { file, change } => {
-                self.files.entry(file.clone()).or_default().pending.push(change.clone());
-            }
-            Event::Sync { file } => self.files.entry(file.clone()).or_default().settle(),
+            Event::Change { file, change } => self.file(file).take(change),
+            Event::Sync { file } => self.file(file).now().settle(),
             Event::SyncFolder => self.files.values_mut().for_each(File::settle_name),
             Event::Acknowledge(_) => {}
         }
     }
 
+    fn file(&mut self, name: &str) -> &mut File {
+        self.files.entry(name.to_owned()).or_insert_with(|| File::new(None))
+    }
+
     /// How many changes are not yet safe.
     pub fn num_pending(&self) -> usize {
-        self.files.values().map(|file| file.pending.len()).sum()
+        let num_of_file =
+            |file: &File| file.newer.len() + file.newer.last().unwrap_or(&file.certain).pending.len();
+        self.files.values().map(num_of_file).sum()
     }
 
     /// Everything as it was written.
     pub fn undisturbed(&self) -> Files {
-        self.contents(|file| file.after(file.pending.iter()))
+        self.contents(|file| file.newer.last().unwrap_or(&file.certain).all())
     }
 
     /// What is certain to be there.
     pub fn certain(&self) -> Files {
-        self.contents(|file| file.durable.clone())
+        self.contents(|file| file.certain.durable.clone())
     }
 
     /// One of the states in which the disk may be when the power comes back.
     pub fn after_power_loss(&self, random: &mut Seeded) -> Files {
-        self.contents(|file| file.after_power_loss(random))
+        self.contents(|file| {
+            let newest = random.below(file.newer.len() as u64 + 1) as usize;
+            let generation = newest.checked_sub(1).map_or(&file.certain, |index| &file.newer[index]);
+            keep_some(generation.durable.clone(), &generation.pending, random)
+        })
     }
 
     fn contents(&self, mut content: impl FnMut(&File) -> Option<Vec<u8>>) -> Files {
@@ -87,42 +103,38 @@ impl Disk {
 }
 
 impl File {
+    fn new(durable: Option<Vec<u8>>) -> Self {
+        Self { certain: Generation { durable, pending: Vec::new() }, newer: Vec::new() }
+    }
+
+    fn now(&mut self) -> &mut Generation {
+        self.newer.last_mut().unwrap_or(&mut self.certain)
+    }
+
+    fn take(&mut self, change: &Change) {
+        match change {
+            Change::Create => self.newer.push(Generation { durable: Some(Vec::new()), pending: Vec::new() }),
+            Change::Remove => self.newer.push(Generation::default()),
+            Change::Write { .. } | Change::Truncate { .. } => self.now().pending.push(change.clone()),
+        }
+    }
+
+    fn settle_name(&mut self) {
+        if let Some(newest) = self.newer.pop() {
+            self.newer.clear();
+            self.certain = newest;
+        }
+    }
+}
+
+impl Generation {
     fn settle(&mut self) {
-        self.durable = self.after(self.pending.iter());
+        self.durable = self.all();
         self.pending.clear();
     }
 
-    /// The last change of whether there is a file is on disk; what was written to it since is not.
-    fn settle_name(&mut self) {
-        let is_of_the_name = |change: &Change| matches!(change, Change::Create | Change::Remove);
-        if let Some(last) = self.pending.iter().rposition(is_of_the_name) {
-            self.durable = self.after(self.pending.iter().take(last + 1));
-            self.pending.drain(..=last);
-        }
-    }
-
-    fn after<'a>(&self, changes: impl Iterator<Item = &'a Change>) -> Option<Vec<u8>> {
-        changes.fold(self.durable.clone(), |content, change| apply(content, change))
-    }
-
-    fn after_power_loss(&self, random: &mut Seeded) -> Option<Vec<u8>> {
-        // Each change of the name starts something of which nothing before is left, if it happened at all. If it did
-        // not, nothing that was done to the file behind it can be seen either.
-        let mut content = self.durable.clone();
-        let mut rest = self.pending.as_slice();
-        loop {
-            let is_of_the_name = |change: &Change| matches!(change, Change::Create | Change::Remove);
-            let end = rest.iter().position(is_of_the_name).unwrap_or(rest.len());
-            let (changes, after) = rest.split_at(end);
-            let Some((change_of_name, after)) = after.split_first() else {
-                return keep_some(content, changes, random);
-            };
-            if random.below(2) == 0 {
-                return keep_some(content, changes, random);
-            }
-            content = apply(content, change_of_name);
-            rest = after;
-        }
+    fn all(&self) -> Option<Vec<u8>> {
+        self.pending.iter().fold(self.durable.clone(), apply)
     }
 }
 
@@ -168,8 +180,8 @@ fn sectors(offset: usize, bytes: &[u8], sector: usize) -> Vec<(usize, &[u8])> {
 
 fn apply(content: Option<Vec<u8>>, change: &Change) -> Option<Vec<u8>> {
     match change {
-        Change::Create => Some(Vec::new()),
-        Change::Remove => None,
+        // These begin a generation instead.
+        Change::Create | Change::Remove => content,
         Change::Truncate { length } => content.map(|mut bytes| {
             bytes.resize(*length, 0);
             bytes
@@ -237,9 +249,10 @@ mod tests {
         disk.take(&write(0, b"n"));
         let expected = [None, Some(b"".to_vec()), Some(b"n".to_vec()), Some(b"old".to_vec())];
         assert_eq!(states(&disk), expected);
-        disk.take(&Event::SyncFolder);
-        assert_eq!(states(&disk), [Some(b"".to_vec()), Some(b"n".to_vec())]);
         disk.take(&Event::Sync { file: "t".to_owned() });
+        assert_eq!(states(&disk), [None, Some(b"n".to_vec()), Some(b"old".to_vec())]);
+        assert_eq!(disk.certain()["t"], b"old");
+        disk.take(&Event::SyncFolder);
         assert_eq!(states(&disk), [Some(b"n".to_vec())]);
     }
 

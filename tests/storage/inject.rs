@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::os::unix::process::ExitStatusExt as _;
-use std::path::Path;
 
 use orogeny_field::FieldId;
 
@@ -81,7 +80,7 @@ impl Case {
 /// How often a run without a fault makes each of these calls; those that it does not make are left out.
 fn num_calls(test: &str, calls: &[&'static str]) -> Vec<(&'static str, usize)> {
     let folder = tempfile::tempdir().unwrap();
-    let traced = trace::run_undisturbed(test, &new_terrain(folder.path()).0);
+    let traced = trace::run_undisturbed(test, &new_terrain(folder.path()).0, STEPS.len());
     assert!(traced.log.failed.iter().all(|(call, _)| call == "openat"), "{:?}", traced.log.failed);
     let count = |call: &&'static str| Some((*call, *traced.log.num_calls.get(*call)?));
     calls.iter().filter_map(count).collect()
@@ -106,14 +105,10 @@ fn places(counts: &[(&'static str, usize)], lasting: &[bool], num_samples: usize
     sample
 }
 
-fn child(path: &Path) {
-    run(path);
-}
-
 #[test]
 fn a_kill_at_any_call_leaves_the_old_or_the_new_state() {
     if let Some(path) = child_path() {
-        return child(&path);
+        return run(&path, &STEPS);
     }
     let test = "inject::a_kill_at_any_call_leaves_the_old_or_the_new_state";
     if !trace::is_possible("a kill at a system call") {
@@ -140,7 +135,7 @@ fn a_kill_at_any_call_leaves_the_old_or_the_new_state() {
 #[test]
 fn a_sync_that_fails_is_an_error_and_no_acknowledgement() {
     if let Some(path) = child_path() {
-        return child(&path);
+        return run(&path, &STEPS);
     }
     let test = "inject::a_sync_that_fails_is_an_error_and_no_acknowledgement";
     if !trace::is_possible("a failing sync") {
@@ -187,7 +182,7 @@ fn a_sync_that_fails_is_an_error_and_no_acknowledgement() {
 #[test]
 fn a_disk_that_fills_up_at_any_write_costs_nothing() {
     if let Some(path) = child_path() {
-        return child(&path);
+        return run(&path, &STEPS);
     }
     let test = "inject::a_disk_that_fills_up_at_any_write_costs_nothing";
     if !trace::is_possible("a disk that fills up at one write") {

@@ -18,9 +18,15 @@ mod disk;
 #[cfg(target_os = "linux")]
 mod inject;
 #[cfg(target_os = "linux")]
+mod lost_write;
+#[cfg(target_os = "linux")]
 mod power_loss;
 #[cfg(target_os = "linux")]
+mod recording;
+#[cfg(target_os = "linux")]
 mod script;
+#[cfg(target_os = "linux")]
+mod strace_call;
 #[cfg(target_os = "linux")]
 mod strace_log;
 #[cfg(target_os = "linux")]

@@ -27,6 +27,11 @@ pub const STEPS: [Step; 14] = {
     [Paint, Paint, Undo, Redo, Paint, Undo, Undo, Paint, Close, Paint, Undo, Redo, Paint, Close]
 };
 
+/// Enough commits for SQLite to begin its log anew without being told to.
+pub fn long_log() -> Vec<Step> {
+    [vec![Step::Paint; 62], vec![Step::Undo; 2], vec![Step::Close]].concat()
+}
+
 /// Everything that a reader of a terrain can see.
 #[derive(PartialEq)]
 pub struct State {
@@ -84,8 +89,8 @@ impl Model {
 }
 
 /// What the terrain is after each number of steps; the first is that of [`new_terrain`].
-pub fn states(field: FieldId) -> Vec<State> {
-    (0..=STEPS.len()).map(|num_steps| Model::after(&STEPS[..num_steps]).state(field)).collect()
+pub fn states(field: FieldId, steps: &[Step]) -> Vec<State> {
+    (0..=steps.len()).map(|num_steps| Model::after(&steps[..num_steps]).state(field)).collect()
 }
 
 /// A closed terrain in `folder`, its path and its one field.
@@ -125,9 +130,9 @@ pub fn reopen(path: &Path) -> Result<State, String> {
 ///
 /// A step that fails is reported as `error NUMBER KIND` and ends the run, but for one further commit by the same store:
 /// `further committed` or `further refused KIND`.
-pub fn run(path: &Path) {
+pub fn run(path: &Path, steps: &[Step]) {
     let mut store = None;
-    for (index, step) in STEPS.iter().enumerate() {
+    for (index, step) in steps.iter().enumerate() {
         let number = index + 1;
         if let Err(err) = take(&mut store, path, *step) {
             acknowledge(&format!("error {number} {}", kind(&err)));
