@@ -14,6 +14,9 @@ const NUM_KILLS: usize = 30;
 const NUM_SYNC_ERRORS: usize = 20;
 const NUM_FULL_DISKS: usize = 15;
 
+/// Whether a store refuses to write when a sync has failed, until it is opened again.
+const IS_STORE_CLOSED_TO_WRITES_AFTER_FAILED_SYNC: bool = false;
+
 /// One fault: the call, the number of the first that it hits, and whether it hits all from there on.
 type Place = (&'static str, usize, bool);
 
@@ -158,8 +161,12 @@ fn a_sync_that_fails_is_an_error_and_no_acknowledgement() {
         }
         let kind = case.assert_refused();
         assert_eq!(kind, "Io", "{}", case.name);
-        // Here it is to be said that the further commit is refused.
         let result = case.further().unwrap();
+        // A store that failed to close is gone: the further commit was made by another.
+        let is_same_store = STEPS[case.num_acknowledged()] != Step::Close;
+        if IS_STORE_CLOSED_TO_WRITES_AFTER_FAILED_SYNC && is_same_store {
+            assert!(result.starts_with("refused "), "{}: {:?}", case.name, case.traced.lines);
+        }
         *further.entry(result.to_owned()).or_insert(0) += 1;
         let num_acknowledged = case.num_acknowledged();
         let possible: &[bool] = if result == "committed" { &[true] } else { &[false, true] };
