@@ -16,7 +16,7 @@ use crate::support::{
 const KILLS_PER_TERRAIN: usize = 10;
 
 /// What entry `id` paints: three pages of the base layer, a function of the number alone.
-fn painted(field: FieldId, id: u32) -> Vec<(PageKey, Page)> {
+pub fn painted(field: FieldId, id: u32) -> Vec<(PageKey, Page)> {
     let num_pages = PAGES.0 * PAGES.1;
     let place = |i: u32| (id * 7 + i * 4) % num_pages;
     (0..3)
@@ -24,7 +24,7 @@ fn painted(field: FieldId, id: u32) -> Vec<(PageKey, Page)> {
         .collect()
 }
 
-const fn adds_layer(id: u32) -> bool {
+pub const fn adds_layer(id: u32) -> bool {
     id % 10 == 5
 }
 

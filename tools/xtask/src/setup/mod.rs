@@ -1,11 +1,15 @@
 //! `setup`: installs what the other commands need and a fresh machine lacks.
 //!
-//! What only one operating system has sits in its own module ([`linux`]); elsewhere nothing is installed, since the
-//! system brings its graphics driver along.
+//! What only one operating system has sits in modules of its own ([`linux`], [`tracer`]); elsewhere nothing is installed,
+//! since the system brings its graphics driver along.
 
+#[cfg(target_os = "linux")]
+mod apt;
 mod components;
 #[cfg(target_os = "linux")]
 mod linux;
+#[cfg(target_os = "linux")]
+mod tracer;
 
 use std::process::ExitCode;
 
@@ -27,6 +31,7 @@ pub enum Need {
 /// Something cannot be installed; the message holds the line that does it.
 pub fn run() -> anyhow::Result<ExitCode> {
     graphics(Need::Required)?;
+    tracer();
     for name in ["rustfmt", "clippy"] {
         component(name)?;
     }
@@ -61,3 +66,13 @@ pub fn graphics(_need: Need) -> anyhow::Result<()> {
     println!("graphics: nothing to install; GPU work uses {adapter}");
     Ok(())
 }
+
+/// Sees to a tracer of system calls, without which some tests skip themselves: that is told and no failure.
+#[cfg(target_os = "linux")]
+pub fn tracer() {
+    tracer::tracer();
+}
+
+/// Tests trace system calls on Linux only.
+#[cfg(not(target_os = "linux"))]
+pub const fn tracer() {}
