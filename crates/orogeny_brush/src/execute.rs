@@ -13,6 +13,15 @@ pub struct Notices {
     pub num_clamped_heights: u64,
 }
 
+/// What an executor keeps pages in, counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+pub struct PageMemory {
+    /// Bytes of memory.
+    pub host_in_bytes: u64,
+    /// Bytes of textures.
+    pub textures_in_bytes: u64,
+}
+
 /// Applies batches to pages. One operation at a time: batches of one stroke or fill in order, then [`finish`](Self::finish)
 /// or [`cancel`](Self::cancel).
 ///
@@ -42,4 +51,7 @@ pub trait Executor: Send {
 
     /// Forgets pages that were changed elsewhere.
     fn forget(&mut self, keys: &[PageKey]);
+
+    /// What its pages take now.
+    fn memory(&self) -> PageMemory;
 }

@@ -11,7 +11,7 @@ use orogeny_pages::PageStore;
 use orogeny_reference::amounts;
 use rayon::prelude::*;
 
-use crate::execute::{Executor, Notices};
+use crate::execute::{Executor, Notices, PageMemory};
 use crate::kernels::{RowStart, apply_row};
 use crate::plan::{Batch, PageWork};
 use crate::spill::Spill;
@@ -29,6 +29,8 @@ pub struct CpuExecutor {
     threads: rayon::ThreadPool,
     max_pages: usize,
     resident: LruCache<PageKey, WorkingPage>,
+    /// Pages that the resident ones hold: three for each of a running wash.
+    num_held: usize,
     dirty: BTreeSet<PageKey>,
     /// Pages that the running operation has changed: their heights are no longer those from before it.
     changed: BTreeSet<PageKey>,
@@ -63,14 +65,13 @@ impl CpuExecutor {
             .thread_name(|index| format!("orogeny.brush.{index}"))
             .build()
             .map_err(|err| Error::Threads { reason: err.to_string() })?;
-        // A wash holds three pages for one.
-        let max_pages =
-            usize::try_from(budget_in_bytes / layout.size_in_bytes() / 3).unwrap_or(usize::MAX).max(1);
+        let max_pages = usize::try_from(budget_in_bytes / layout.size_in_bytes()).unwrap_or(usize::MAX);
         Ok(Self {
             layout,
             threads,
             max_pages,
             resident: LruCache::unbounded(),
+            num_held: 0,
             dirty: BTreeSet::new(),
             changed: BTreeSet::new(),
             spilled_weights: Spill::new(layout),
@@ -119,11 +120,18 @@ impl CpuExecutor {
         if actual == expected { Ok(()) } else { Err(Error::PageSize { expected, actual }) }
     }
 
+    fn take(&mut self, key: &PageKey) -> Option<WorkingPage> {
+        let page = self.resident.pop(key)?;
+        self.num_held -= page.num_held();
+        Some(page)
+    }
+
     /// Saves and drops the least recently used pages until `num_pages` more fit into the budget.
     fn make_room(&mut self, num_pages: usize, store: &mut dyn PageStore) -> Result<()> {
         let mut changed = Vec::new();
-        while self.resident.len() + num_pages > self.max_pages {
+        while self.num_held + num_pages > self.max_pages {
             let Some((key, page)) = self.resident.pop_lru() else { break };
+            self.num_held -= page.num_held();
             if let Some(wash) = page.wash {
                 self.spilled_weights.put(key, &wash.weights)?;
             }
@@ -145,6 +153,7 @@ impl CpuExecutor {
         for (_, page) in &mut self.resident {
             page.wash = None;
         }
+        self.num_held = self.resident.len();
     }
 }
 
@@ -155,10 +164,12 @@ impl Executor for CpuExecutor {
 
     fn run(&mut self, batch: &Batch, store: &mut dyn PageStore) -> Result<()> {
         self.check_size(store.layout().size())?;
-        for works in batch.pages.chunks(self.max_pages) {
+        let held_for_one = if batch.pass.weight_mode == WeightMode::Wash { 3 } else { 1 };
+        // One page at least, however small the budget is.
+        for works in batch.pages.chunks((self.max_pages / held_for_one).max(1)) {
             // Those that are here are taken out first, so that none of them makes room for another.
-            let here: Vec<_> = works.iter().map(|work| self.resident.pop(&work.key)).collect();
-            self.make_room(works.len(), store)?;
+            let here: Vec<_> = works.iter().map(|work| self.take(&work.key)).collect();
+            self.make_room(works.len() * held_for_one, store)?;
             let mut tasks = Vec::with_capacity(works.len());
             for (work, here) in works.iter().zip(here) {
                 tasks.push((work, self.ready(&work.key, here, batch.pass.weight_mode, store)?));
@@ -171,6 +182,7 @@ impl Executor for CpuExecutor {
             for (work, page) in tasks {
                 self.dirty.insert(work.key);
                 self.changed.insert(work.key);
+                self.num_held += page.num_held();
                 self.resident.put(work.key, page);
             }
         }
@@ -195,13 +207,22 @@ impl Executor for CpuExecutor {
 
     fn forget(&mut self, keys: &[PageKey]) {
         for key in keys {
-            self.resident.pop(key);
+            self.take(key);
             self.dirty.remove(key);
         }
+    }
+
+    fn memory(&self) -> PageMemory {
+        PageMemory { host_in_bytes: self.num_held as u64 * self.layout.size_in_bytes(), textures_in_bytes: 0 }
     }
 }
 
 impl WorkingPage {
+    /// How many pages' memory it takes.
+    const fn num_held(&self) -> usize {
+        if self.wash.is_some() { 3 } else { 1 }
+    }
+
     /// Applies the batch's instances to the page; returns the number of clamped heights.
     fn apply(&mut self, batch: &Batch, work: &PageWork, layout: PageLayout) -> u64 {
         let page_rect = layout.page_rect(&work.key);

@@ -24,7 +24,7 @@ mod tiles;
 
 pub use curve::CurveSegment;
 pub use error::{Error, Result};
-pub use execute::{Executor, Notices};
+pub use execute::{Executor, Notices, PageMemory};
 pub use executor_cpu::CpuExecutor;
 pub use executor_gpu::{BrushUniform, GpuBudget, GpuExecutor};
 

@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use orogeny_brush::{Batch, Executor, Notices, StrokePlanner, plan_fill};
 use orogeny_field::{BrushType, FieldId, PageLayout, Stroke, TerrainGrid};
-use orogeny_store::{EntryId, Transaction};
+use orogeny_store::{EntryId, Recording};
 
-use crate::pages::TransactionPages;
+use crate::pages::RecordedPages;
 use crate::progress::report;
 use crate::terrain::find_layer;
 use crate::{Error, Observer, Operation, Result, Terrain};
@@ -27,7 +27,7 @@ pub struct Applied {
     pub brush: BrushType,
     /// Pages that it wrote.
     pub num_pages: usize,
-    /// How long it took, in seconds, without making it durable, which is done once for all.
+    /// How long it took, in seconds, without making it durable, which goes on behind.
     pub elapsed_s: f64,
     /// What it met on its way.
     pub notices: Notices,
@@ -48,7 +48,31 @@ impl Terrain {
     /// # Errors
     /// [`Error::InRecipe`] with the operation that failed, or [`Error::Cancelled`]; none of them was done then.
     pub fn apply(&mut self, operations: &[Operation], observer: &mut dyn Observer) -> Result<Vec<Applied>> {
+        let applied = self.submit(operations, observer)?;
+        self.flush()?;
+        Ok(applied)
+    }
+
+    /// As [`Self::apply`], but returns when the operations are painted, while they are still on their way to the disk: what
+    /// comes next need not wait for it. They are done when [`Self::flush`] says so. The next call first waits for this one,
+    /// at its own end, so at most one may be lost.
+    ///
+    /// # Errors
+    /// As [`Self::apply`]; also what kept the operations before these from being made durable. None of either was done then.
+    pub fn submit(&mut self, operations: &[Operation], observer: &mut dyn Observer) -> Result<Vec<Applied>> {
         self.run(operations, observer, After::Commit)
+    }
+
+    /// Waits until everything that was submitted is on disk.
+    ///
+    /// # Errors
+    /// [`Error::Store`] with what kept the last operations from it; the terrain is as before them.
+    pub fn flush(&mut self) -> Result<()> {
+        let flushed = self.recorder()?.flush();
+        if flushed.is_err() {
+            self.forget_all_pages();
+        }
+        Ok(flushed?)
     }
 
     /// Runs operations and takes them back: whether they would work, and what they would do.
@@ -85,22 +109,15 @@ impl Terrain {
             return Ok(Vec::new());
         }
         let author = self.settings().author.clone();
-        let (store, executor) = self.store_and_executor()?;
-        let site = Site { grid: store.grid(), layout: store.layout(), author: &author };
-        let mut transaction = store.begin()?;
-        if transaction.take_was_moved_by_others() {
-            executor.cancel();
-        }
-        let applied = apply_all(operations, &site, &mut transaction, executor, observer);
-        let result = match (applied, after) {
-            (Ok(applied), After::Commit) => {
-                transaction.commit_recorded().map(|()| applied).map_err(Error::from)
+        let (recorder, executor) = self.recorder_and_executor()?;
+        let site = Site { grid: recorder.on_disk()?.grid(), layout: recorder.on_disk()?.layout(), author: &author };
+        let result = recorder.begin().map_err(Error::from).and_then(|mut recording| {
+            let applied = apply_all(operations, &site, &mut recording, executor, observer)?;
+            if after == After::Commit {
+                recording.finish()?;
             }
-            (applied, _) => {
-                drop(transaction);
-                applied
-            }
-        };
+            Ok(applied)
+        });
         if result.is_err() || after == After::TakeBack {
             executor.cancel();
         }
@@ -123,7 +140,7 @@ enum After {
 fn apply_all(
     operations: &[Operation],
     site: &Site<'_>,
-    transaction: &mut Transaction<'_>,
+    recording: &mut Recording<'_>,
     executor: &mut dyn Executor,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Applied>> {
@@ -131,7 +148,7 @@ fn apply_all(
     for (index, operation) in operations.iter().enumerate() {
         let (number, count, brush_type) = (index + 1, operations.len(), operation.brush().brush_type);
         tracing::info!("operation {number} of {count}: {} {}", operation.name(), brush_type.name());
-        let one = apply_one(operation, site, transaction, executor, observer);
+        let one = apply_one(operation, site, recording, executor, observer);
         applied.push(one.map_err(|err| match err {
             Error::Cancelled => Error::Cancelled,
             source => Error::InRecipe { number, count, name: operation.name(), source: Box::new(source) },
@@ -143,13 +160,13 @@ fn apply_all(
 fn apply_one(
     operation: &Operation,
     site: &Site<'_>,
-    transaction: &mut Transaction<'_>,
+    recording: &mut Recording<'_>,
     executor: &mut dyn Executor,
     observer: &mut dyn Observer,
 ) -> Result<Applied> {
     let start = Instant::now();
-    let layer = find_layer(transaction.layers(), operation.layer())?.clone();
-    let mut pages = TransactionPages::new(transaction, site.layout);
+    let layer = find_layer(recording.layers(), operation.layer())?.clone();
+    let mut pages = RecordedPages::new(recording, site.layout);
     let result = match operation {
         Operation::Stroke { stroke, .. } => {
             run_stroke(stroke, site, layer.heights, executor, &mut pages, observer)
@@ -167,7 +184,7 @@ fn apply_one(
     let result = result.and_then(|()| Ok(executor.finish(&mut pages)?));
     let num_pages = pages.num_saved();
     let notices = result?;
-    let entry = transaction.record(&operation.to_recorded_json(layer.id)?, site.author)?;
+    let entry = recording.record(operation.to_recorded_json(layer.id)?, site.author)?;
     Ok(Applied {
         entry,
         operation: operation.name(),
@@ -183,7 +200,7 @@ fn run_stroke(
     site: &Site<'_>,
     field: FieldId,
     executor: &mut dyn Executor,
-    pages: &mut TransactionPages<'_, '_>,
+    pages: &mut RecordedPages<'_, '_>,
     observer: &mut dyn Observer,
 ) -> Result<()> {
     stroke.check(&site.grid)?;
@@ -205,7 +222,7 @@ fn run_stroke(
 fn run_batch(
     batch: Batch,
     executor: &mut dyn Executor,
-    pages: &mut TransactionPages<'_, '_>,
+    pages: &mut RecordedPages<'_, '_>,
     mut tell: impl FnMut(u64) -> Result<()>,
 ) -> Result<()> {
     let mut num_done = 0;
@@ -223,6 +240,7 @@ mod tests {
     use super::*;
     use crate::{Adapter, Quiet, Settings};
     use orogeny_field::PageKey;
+    use orogeny_brush::PageMemory;
     use orogeny_pages::PageStore;
 
     /// An executor whose GPU fails with the first batch.
@@ -244,6 +262,10 @@ mod tests {
         fn cancel(&mut self) {}
 
         fn forget(&mut self, _keys: &[PageKey]) {}
+
+        fn memory(&self) -> PageMemory {
+            PageMemory::default()
+        }
     }
 
     fn dab() -> Operation {

@@ -5,6 +5,7 @@ use orogeny_field::PageLayout;
 use orogeny_gpu::{AdapterChoice, Gpu};
 
 use crate::Result;
+use crate::access::Shares;
 
 /// Bytes of pages that stay resident, unless the caller says otherwise.
 const DEFAULT_PAGE_BUDGET_IN_BYTES: u64 = 1 << 30;
@@ -73,12 +74,13 @@ pub fn backend_description(settings: &Settings) -> Result<String> {
 
 /// Makes the executor that the settings ask for.
 pub(crate) fn executor(settings: &Settings, layout: PageLayout) -> Result<Box<dyn Executor>> {
+    let budget_in_bytes = Shares::of(settings.page_budget_in_bytes).executor_in_bytes;
     let cpu = || -> Result<Box<dyn Executor>> {
-        Ok(Box::new(CpuExecutor::new(layout, settings.page_budget_in_bytes, settings.num_threads)?))
+        Ok(Box::new(CpuExecutor::new(layout, budget_in_bytes, settings.num_threads)?))
     };
     let gpu = |choice: AdapterChoice| -> Result<Box<dyn Executor>> {
         let budget =
-            GpuBudget { budget_in_bytes: settings.page_budget_in_bytes, layers_per_array: LAYERS_PER_ARRAY };
+            GpuBudget { budget_in_bytes, layers_per_array: LAYERS_PER_ARRAY };
         Ok(Box::new(GpuExecutor::new(Gpu::open(&choice)?, layout, budget)?))
     };
     match &settings.adapter {

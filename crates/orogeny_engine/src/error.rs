@@ -85,6 +85,22 @@ pub enum Error {
         /// The longest side.
         limit: u32,
     },
+    /// What the history says cannot be done again.
+    #[error("the history cannot be replayed{}: {detail}", at_entry(*entry))]
+    CannotReplay {
+        /// The operation; 0: all of it.
+        entry: u32,
+        /// Why.
+        detail: String,
+    },
+    /// A level that the terrain does not have.
+    #[error("there is no level {level}: the coarsest is {top}")]
+    UnknownLevel {
+        /// What was asked for.
+        level: u8,
+        /// The last one.
+        top: u8,
+    },
     /// A file could not be read.
     #[error("`{}` could not be read: {source}", path.display())]
     Read {
@@ -104,6 +120,10 @@ pub enum Error {
     /// The user cancelled.
     #[error("cancelled; nothing was changed")]
     Cancelled,
+}
+
+fn at_entry(entry: u32) -> String {
+    if entry == 0 { String::new() } else { format!(" at entry {entry}") }
 }
 
 impl Error {

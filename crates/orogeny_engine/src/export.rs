@@ -20,6 +20,8 @@ pub struct ExportRequest {
     pub layer: Option<LayerReference>,
     /// `[x, z, width, depth]` in metres, far edges outside; `None`: the whole terrain.
     pub region_m: Option<[f64; 4]>,
+    /// 0 for full resolution; each next level has a sample for two each way.
+    pub level: u8,
 }
 
 /// What an export wrote.
@@ -39,7 +41,7 @@ impl ExportRequest {
     /// The whole composite to a file.
     #[must_use]
     pub fn new(file: impl Into<PathBuf>) -> Self {
-        Self { file: file.into(), options: ExportOptions::default(), layer: None, region_m: None }
+        Self { file: file.into(), options: ExportOptions::default(), layer: None, region_m: None, level: 0 }
     }
 }
 
@@ -50,16 +52,17 @@ impl Terrain {
     /// [`Error::Format`] when the heights do not fit the format or the file cannot be written; [`Error::OutsideTerrain`];
     /// [`Error::UnknownLayer`]; [`Error::Store`].
     pub fn export(&self, request: &ExportRequest, observer: &mut dyn Observer) -> Result<ExportSummary> {
-        let rect = self.region(request.region_m)?;
+        let level = request.level;
+        let rect = self.region_at(request.region_m, level)?;
         let source = match &request.layer {
             Some(reference) => Source::Layer(self.layer(Some(reference))?.id),
             None => Source::Composite,
         };
         let mut options = request.options.clone();
-        options.spacing_m.get_or_insert(self.grid().spacing_m());
+        options.spacing_m.get_or_insert(self.grid().spacing_m() * f64::from(1_u32 << level));
         let (width, depth) = (rect.width(), rect.depth());
         let mut file = orogeny_formats::create(&request.file, &options, width, depth)?;
-        let mut composite = self.composite(source, rect);
+        let mut composite = self.composite(source, level, rect)?;
         let mut row = vec![0.0; width as usize];
         let mut num_rows = 0;
         while composite.read_rows(&mut row)? > 0 {
@@ -69,6 +72,25 @@ impl Terrain {
         }
         let notices = file.finish()?.notices;
         Ok(ExportSummary { file: request.file.clone(), width, depth, notices })
+    }
+
+    /// The samples of a level in a region.
+    fn region_at(&self, region_m: Option<[f64; 4]>, level: u8) -> Result<SampleRect> {
+        let grid = self.grid();
+        let top = self.store()?.layout().top_level(&grid);
+        if level > top {
+            return Err(Error::UnknownLevel { level, top });
+        }
+        let rect = self.region(region_m)?;
+        // Those that lie on a sample of the region, and at least one.
+        let side = 1_i32 << level;
+        let along = |start: i32, end: i32, last: i32| {
+            let first = (start + side - 1) / side;
+            (first.min(last - 1), ((end + side - 1) / side).clamp(first.min(last - 1) + 1, last))
+        };
+        let bounds = grid.bounds_at(level);
+        let ((x0, x1), (z0, z1)) = (along(rect.x0, rect.x1, bounds.x1), along(rect.z0, rect.z1, bounds.z1));
+        Ok(SampleRect::new(x0, z0, x1, z1))
     }
 
     /// The samples of a region, which touches the terrain; all of them for none.

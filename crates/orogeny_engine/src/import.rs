@@ -2,10 +2,11 @@
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use orogeny_field::{Page, PageKey, SampleRect, TerrainGrid};
-use orogeny_formats::{Import, ImportOptions, NodataPolicy};
-use orogeny_store::{EntryId, Layer, NewLayer, Transaction};
+use orogeny_field::{Page, PageKey, PageLayout, SampleRect, TerrainGrid};
+use orogeny_formats::{Import, ImportOptions};
+use orogeny_store::{BlobHash, EntryId, Layer, NewLayer, Recording};
 
 use crate::progress::report;
 use crate::terrain::find_layer;
@@ -118,20 +119,24 @@ impl Terrain {
             ));
         }
         let author = self.settings().author.clone();
-        let mut transaction = self.store_mut().begin()?;
-        let (layer, made_layer) = target_layer(&mut transaction, request.layer.as_deref())?;
-        let written = write_rows(&mut transaction, raster, &layer, target, &inside, observer)?;
-        let operation = serde_json::json!({
-            "op": "import",
-            "layer": layer.id,
-            "file": request.file.file_name().unwrap_or_default().to_string_lossy(),
-            "blake3": hash_of(&request.file)?,
-            "options": recorded_options(&request.options),
-            "at": request.at_m,
-            "width": width,
-            "depth": depth,
-        });
-        let entry = transaction.commit(&operation.to_string(), &author)?;
+        let band_bytes = self.settings().page_budget_in_bytes / 4;
+        let mut recording = self.recorder()?.begin()?;
+        let (layer, made_layer) = target_layer(&mut recording, request.layer.as_deref())?;
+        let written = write_rows(&mut recording, raster, &layer, target, &inside, band_bytes, observer)?;
+        let operation = RecordedImport {
+            op: RecordedImport::OP.to_owned(),
+            layer: layer.id,
+            new_layer: made_layer.then(|| layer.name.clone()),
+            file: request.file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            blake3: keep_file(&mut recording, &request.file)?.to_string(),
+            options: request.options.clone(),
+            at: request.at_m,
+            width,
+            depth,
+        };
+        let entry = recording.record(operation.to_json()?, &author)?;
+        recording.finish()?;
+        self.flush()?;
         self.forget_pages(&written);
         Ok(ImportSummary {
             entry,
@@ -145,30 +150,40 @@ impl Terrain {
     }
 }
 
-/// Names the file's content, whatever becomes of the file.
-fn hash_of(file: &Path) -> Result<String> {
-    let failed = |source| Error::Read { path: file.to_owned(), source };
-    let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(File::open(file).map_err(failed)?).map_err(failed)?;
-    Ok(hasher.finalize().to_hex().to_string())
+/// What the history records of an import: with the data that it names, enough to do it again.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RecordedImport {
+    pub(crate) op: String,
+    /// The layer's id.
+    pub(crate) layer: u32,
+    /// Its name, where it was made for the import.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) new_layer: Option<String>,
+    /// The file's name, whose ending may tell the format.
+    pub(crate) file: String,
+    /// The name of its content.
+    pub(crate) blake3: String,
+    pub(crate) options: ImportOptions,
+    pub(crate) at: [f64; 2],
+    pub(crate) width: u32,
+    pub(crate) depth: u32,
 }
 
-/// What was said about the file: with the file, enough to read it in the same way.
-fn recorded_options(options: &ImportOptions) -> serde_json::Value {
-    let name = |value: Option<String>| value.map(|value| value.to_lowercase());
-    serde_json::json!({
-        "format": name(options.format.map(|format| format!("{format:?}"))),
-        "size": options.size,
-        "sample": name(options.sample.map(|sample| format!("{sample:?}"))),
-        "byte_order": name(options.byte_order.map(|byte_order| format!("{byte_order:?}"))),
-        "range": options.range_m,
-        "nodata": match options.nodata {
-            NodataPolicy::Fill => "fill".into(),
-            NodataPolicy::Value(height_m) => serde_json::Value::from(height_m),
-            _ => "refuse".into(),
-        },
-        "spacing": options.spacing_m,
-    })
+impl RecordedImport {
+    pub(crate) const OP: &str = "import";
+
+    fn to_json(&self) -> Result<String> {
+        serde_json::to_string(self)
+            .map_err(|err| Error::Operation { place: "the import".to_owned(), detail: err.to_string() })
+    }
+}
+
+/// Keeps the file's content with the terrain, and gives its name.
+fn keep_file(recording: &mut Recording<'_>, file: &Path) -> Result<BlobHash> {
+    let failed = |source| Error::Read { path: file.to_owned(), source };
+    let mut content = File::open(file).map_err(failed)?;
+    Ok(recording.with_transaction(move |transaction| transaction.keep_blob(&mut content))?)
 }
 
 fn raster_rect(grid: &TerrainGrid, at_m: [f64; 2], width: u32, depth: u32) -> Result<SampleRect> {
@@ -187,55 +202,41 @@ fn raster_rect(grid: &TerrainGrid, at_m: [f64; 2], width: u32, depth: u32) -> Re
     if rect.intersection(&grid.bounds()).is_empty() { Err(outside()) } else { Ok(rect) }
 }
 
-fn target_layer(transaction: &mut Transaction<'_>, name: Option<&str>) -> Result<(Layer, bool)> {
+fn target_layer(recording: &mut Recording<'_>, name: Option<&str>) -> Result<(Layer, bool)> {
     let reference = name.map(|name| LayerReference::Name(name.to_owned()));
-    match (find_layer(transaction.layers(), reference.as_ref()), name) {
+    match (find_layer(recording.layers(), reference.as_ref()), name) {
         (Ok(layer), _) => Ok((layer.clone(), false)),
         (Err(_), Some(name)) => {
-            let layer = transaction.add_layer(&NewLayer { name: name.to_owned(), constant_m: 0.0 })?;
+            let layer = recording.add_layer(NewLayer { name: name.to_owned(), constant_m: 0.0 })?;
             Ok((layer, true))
         }
         (Err(err), None) => Err(err),
     }
 }
 
-/// Writes the raster's rows into pages, a row of pages at a time, and gives the pages written.
+/// Writes the raster's rows into pages, a row of pages at a time, and gives the pages written. A row of pages of which
+/// `max_band_bytes` hold only a part is written in several goes.
 fn write_rows(
-    transaction: &mut Transaction<'_>,
+    recording: &mut Recording<'_>,
     raster: &mut Import,
     layer: &Layer,
     target: SampleRect,
     inside: &SampleRect,
+    max_band_bytes: u64,
     observer: &mut dyn Observer,
 ) -> Result<Vec<PageKey>> {
-    let layout = transaction.layout();
+    let layout = recording.layout()?;
     let mut written = Vec::new();
-    let mut band: Vec<(PageKey, Page)> = Vec::new();
+    let mut band = Band::new(layout, layer, inside, max_band_bytes);
     let mut row = vec![0.0; target.width() as usize];
     let skipped = inside.x0.abs_diff(target.x0) as usize;
     let mut z = target.z0;
     while raster.read_rows(&mut row)? > 0 {
         let Some(heights) = row.get(skipped..skipped + inside.width() as usize) else { break };
         if (inside.z0..inside.z1).contains(&z) {
-            let first_of_band = band.is_empty();
-            if first_of_band {
-                band = load_band(transaction, layer, &SampleRect::new(inside.x0, z, inside.x1, z + 1))?;
-            }
-            for (key, page) in &mut band {
-                let rect = layout.page_rect(key);
-                let part = rect.intersection(inside);
-                let source = part.x0.abs_diff(inside.x0) as usize;
-                let columns = (part.x0.abs_diff(rect.x0), part.x1.abs_diff(rect.x0));
-                let to = page.row_mut(z.abs_diff(rect.z0), columns.0, columns.1);
-                let from = heights.get(source..source + part.width() as usize);
-                if let (Some(to), Some(from)) = (to, from) {
-                    to.copy_from_slice(from);
-                }
-            }
-            let is_last_of_band = (z + 1).cast_unsigned().is_multiple_of(layout.size()) || z + 1 == inside.z1;
-            if is_last_of_band {
-                transaction.write_pages(&band)?;
-                written.extend(band.drain(..).map(|(key, _)| key));
+            band.push(heights);
+            if band.is_complete(z + 1) {
+                written.extend(band.write(recording)?);
             }
         }
         z += 1;
@@ -244,15 +245,71 @@ fn write_rows(
     Ok(written)
 }
 
-/// The pages that a row crosses, as they are.
-fn load_band(transaction: &Transaction<'_>, layer: &Layer, row: &SampleRect) -> Result<Vec<(PageKey, Page)>> {
-    let layout = transaction.layout();
-    let load = |(x, z)| {
-        let key = PageKey::full_resolution(layer.heights, x, z);
-        let page = transaction.load_page(&key)?.unwrap_or_else(|| Page::constant(layout, layer.constant_m));
-        Ok((key, page))
-    };
-    layout.pages_in(*row).map(load).collect()
+/// Rows of a raster that lie in one row of pages, on their way into it.
+struct Band<'a> {
+    layout: PageLayout,
+    layer: &'a Layer,
+    inside: &'a SampleRect,
+    /// The first of its rows.
+    z0: i32,
+    rows: Vec<f32>,
+    max_rows: i32,
+}
+
+/// Pages that are written at once: of a wide raster never a whole row of them.
+const PAGES_AT_ONCE: usize = 32;
+
+impl<'a> Band<'a> {
+    fn new(layout: PageLayout, layer: &'a Layer, inside: &'a SampleRect, max_bytes: u64) -> Self {
+        let row_bytes = u64::from(inside.width()).max(1) * 4;
+        let max_rows = i32::try_from(max_bytes / row_bytes).unwrap_or(i32::MAX).max(1);
+        Self { layout, layer, inside, z0: inside.z0, rows: Vec::new(), max_rows }
+    }
+
+    fn push(&mut self, heights: &[f32]) {
+        self.rows.extend_from_slice(heights);
+    }
+
+    /// Whether the rows up to `z1` are to be written: the row of pages is full, or as much of it as fits.
+    fn is_complete(&self, z1: i32) -> bool {
+        let is_page_end = z1.cast_unsigned().is_multiple_of(self.layout.size());
+        is_page_end || z1 == self.inside.z1 || z1 - self.z0 >= self.max_rows
+    }
+
+    /// Writes the rows into the pages that they cross, and begins anew after them.
+    fn write(&mut self, recording: &mut Recording<'_>) -> Result<Vec<PageKey>> {
+        let width = self.inside.width() as usize;
+        let num_rows = (self.rows.len() / width.max(1)) as i32;
+        let rect = SampleRect::new(self.inside.x0, self.z0, self.inside.x1, self.z0 + num_rows);
+        let keys: Vec<_> = self
+            .layout
+            .pages_in(rect)
+            .map(|(x, z)| PageKey::full_resolution(self.layer.heights, x, z))
+            .collect();
+        for keys in keys.chunks(PAGES_AT_ONCE) {
+            let mut pages = Vec::with_capacity(keys.len());
+            for key in keys {
+                let page = recording.load_page(key)?.map(Arc::unwrap_or_clone);
+                let mut page = page.unwrap_or_else(|| Page::constant(self.layout, self.layer.constant_m));
+                let page_rect = self.layout.page_rect(key);
+                let part = page_rect.intersection(&rect);
+                let columns = (part.x0.abs_diff(page_rect.x0), part.x1.abs_diff(page_rect.x0));
+                for z in part.z0..part.z1 {
+                    let start = z.abs_diff(rect.z0) as usize * width + part.x0.abs_diff(rect.x0) as usize;
+                    let from = self.rows.get(start..start + part.width() as usize);
+                    let to = page.row_mut(z.abs_diff(page_rect.z0), columns.0, columns.1);
+                    if let (Some(to), Some(from)) = (to, from) {
+                        to.copy_from_slice(from);
+                    }
+                }
+                pages.push((*key, page));
+            }
+            recording.write_pages(pages)?;
+        }
+        self.z0 += num_rows;
+        self.rows.clear();
+        Ok(keys)
+    }
 }
 
 impl ImportRequest {

@@ -22,6 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod access;
 mod apply;
 mod backend;
 mod brushes;
@@ -33,6 +34,7 @@ mod map;
 mod operation;
 mod pages;
 mod progress;
+mod replay;
 mod terrain;
 
 pub use apply::Applied;
@@ -48,6 +50,9 @@ pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,
 };
 pub use orogeny_gpu::{AdapterDescription, list_adapters};
-pub use orogeny_store::{Change, Entry, EntryId, EntryState, HistorySummary, Layer};
+pub use orogeny_store::{
+    Change, CheckReport, Dropped, Entry, EntryId, EntryState, HistorySummary, Layer, Repaired, Salvaged,
+};
 pub use progress::{Observer, Progress, Quiet};
-pub use terrain::{Description, HeightStatistics, LayerDescription, Terrain};
+pub use replay::Replayed;
+pub use terrain::{Description, HeightStatistics, LayerDescription, MemoryUse, Terrain};

@@ -3,6 +3,8 @@
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use orogeny_field::{PageKey, SampleRect};
+
 use crate::composite::Source;
 use crate::progress::report;
 use crate::{Error, Observer, Result, Terrain};
@@ -55,6 +57,10 @@ pub struct MapSummary {
     pub samples_per_px: u32,
     /// Heights of the first and last tint, in metres.
     pub range_m: [f32; 2],
+    /// The level of the terrain that was read: 0 for full resolution.
+    pub level: u8,
+    /// What could not be shown as it is, for people.
+    pub notices: Vec<String>,
 }
 
 impl MapRequest {
@@ -85,52 +91,79 @@ impl Terrain {
         }
         let rect = self.region(request.region_m)?;
         let samples_per_px = rect.width().div_ceil(width).max(rect.depth().div_ceil(height));
-        let picture = self.mean_heights(rect, samples_per_px, observer)?;
+        let (picture, level, damaged) = self.mean_heights(rect, samples_per_px, observer)?;
         let range_m = request.range_m.unwrap_or_else(|| picture.range_m());
         let pixels = picture.shaded(range_m);
         let (width_px, height_px) =
             (rect.width().div_ceil(samples_per_px), rect.depth().div_ceil(samples_per_px));
         write_png(&request.file, width_px, height_px, &pixels)?;
-        Ok(MapSummary { file: request.file.clone(), width_px, height_px, samples_per_px, range_m })
+        let notice = |key: &PageKey| {
+            let PageKey { level, x, z, .. } = key;
+            format!("the page at column {x} row {z} of level {level} is damaged; a coarser level is shown")
+        };
+        let notices = damaged.iter().map(notice).collect();
+        let file = request.file.clone();
+        Ok(MapSummary { file, width_px, height_px, samples_per_px, range_m, level, notices })
     }
 
+    /// Also the level that was read and the damaged pages met: the finest level that has at least two samples a pixel each
+    /// way, so that a map costs its pixels, and of the terrain only what is painted.
     fn mean_heights(
         &self,
-        rect: orogeny_field::SampleRect,
+        rect: SampleRect,
         samples_per_px: u32,
         observer: &mut dyn Observer,
-    ) -> Result<Picture> {
+    ) -> Result<(Picture, u8, Vec<PageKey>)> {
         let width = rect.width().div_ceil(samples_per_px) as usize;
         let depth = rect.depth().div_ceil(samples_per_px) as usize;
+        let top = self.store()?.layout().top_level(&self.grid());
+        let level = (samples_per_px.ilog2().saturating_sub(1) as u8).min(top);
+        let level_rect = SampleRect::new(
+            (rect.x0 + (1 << level) - 1) >> level,
+            (rect.z0 + (1 << level) - 1) >> level,
+            ((rect.x1 - 1) >> level) + 1,
+            ((rect.z1 - 1) >> level) + 1,
+        );
         // What painted pages add to the height of unpainted ground: so a map costs what is painted, not what there could be.
-        let unpainted_m = f64::from(self.unpainted_height_m());
+        let unpainted_m = f64::from(self.unpainted_height_m()?);
         let mut sums = vec![0.0_f64; width * depth];
-        let painted = self.painted_rects(rect)?;
+        let pixel = |z: i32, x: i32| {
+            let along = |place: i32, start: i32| ((place << level).abs_diff(start) / samples_per_px) as usize;
+            along(z, rect.z0) * width + along(x, rect.x0)
+        };
+        let painted = self.painted_rects(level, level_rect)?;
+        let mut damaged = Vec::new();
         for (index, page) in painted.iter().enumerate() {
-            let mut composite = self.composite(Source::Composite, *page);
+            let mut composite = self.composite(Source::Composite, level, *page)?.show_damage();
             let mut row = vec![0.0; page.width() as usize];
             for z in page.z0..page.z1 {
                 composite.read_rows(&mut row)?;
-                let first = (z.abs_diff(rect.z0) / samples_per_px) as usize * width;
-                for (x, height_m) in (page.x0.abs_diff(rect.x0)..).zip(&row) {
-                    if let Some(sum) = sums.get_mut(first + (x / samples_per_px) as usize) {
+                for (x, height_m) in (page.x0..).zip(&row) {
+                    if let Some(sum) = sums.get_mut(pixel(z, x)) {
                         *sum += f64::from(*height_m) - unpainted_m;
                     }
                 }
             }
+            damaged.extend_from_slice(composite.damaged());
             report(observer, "drawing", index as u64 + 1, painted.len() as u64)?;
         }
-        let side = |pixel: usize, length: u32| {
-            let start = pixel as u32 * samples_per_px;
-            f64::from((length - start).min(samples_per_px))
+        // How many samples of the level fall into a column or row of pixels.
+        let counts = |start: i32, end: i32, first: i32, num_pixels: usize| {
+            let mut counts = vec![0_u32; num_pixels];
+            for place in start..end {
+                if let Some(count) = counts.get_mut(((place << level).abs_diff(first) / samples_per_px) as usize) {
+                    *count += 1;
+                }
+            }
+            counts
         };
-        let mean = |(pixel, sum): (usize, f64)| {
-            let area = side(pixel % width, rect.width()) * side(pixel / width, rect.depth());
-            (unpainted_m + sum / area) as f32
-        };
-        let heights = sums.into_iter().enumerate().map(mean).collect();
+        let columns = counts(level_rect.x0, level_rect.x1, rect.x0, width);
+        let rows = counts(level_rect.z0, level_rect.z1, rect.z0, depth);
+        let areas = rows.iter().flat_map(|row| columns.iter().map(move |column| f64::from(row * column)));
+        let mean = |(sum, area): (f64, f64)| (unpainted_m + sum / area.max(1.0)) as f32;
+        let heights = sums.into_iter().zip(areas).map(mean).collect();
         let spacing_m = (self.grid().spacing_m() * f64::from(samples_per_px)) as f32;
-        Ok(Picture { width, heights, spacing_m })
+        Ok((Picture { width, heights, spacing_m }, level, damaged))
     }
 }
 

@@ -1,23 +1,24 @@
-//! The pages of a running transaction, as an executor sees them.
+//! The pages of a running operation, as an executor sees them.
 
 use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 use orogeny_field::{FieldId, Page, PageKey, PageLayout};
 use orogeny_pages::{BoxError, PageStore};
-use orogeny_store::Transaction;
+use orogeny_store::Recording;
 
-/// Pages of a transaction, with a note of those that were changed.
-pub(crate) struct TransactionPages<'a, 'store> {
-    transaction: &'a mut Transaction<'store>,
+/// Pages of a recording, with a note of those that were changed.
+pub(crate) struct RecordedPages<'a, 'recorder> {
+    recording: &'a mut Recording<'recorder>,
     layout: PageLayout,
     constants: HashMap<FieldId, f32>,
     saved: BTreeSet<PageKey>,
 }
 
-impl<'a, 'store> TransactionPages<'a, 'store> {
-    pub(crate) fn new(transaction: &'a mut Transaction<'store>, layout: PageLayout) -> Self {
-        let constants = transaction.layers().iter().map(|layer| (layer.heights, layer.constant_m)).collect();
-        Self { transaction, layout, constants, saved: BTreeSet::new() }
+impl<'a, 'recorder> RecordedPages<'a, 'recorder> {
+    pub(crate) fn new(recording: &'a mut Recording<'recorder>, layout: PageLayout) -> Self {
+        let constants = recording.layers().iter().map(|layer| (layer.heights, layer.constant_m)).collect();
+        Self { recording, layout, constants, saved: BTreeSet::new() }
     }
 
     /// How many pages were saved.
@@ -26,7 +27,7 @@ impl<'a, 'store> TransactionPages<'a, 'store> {
     }
 }
 
-impl PageStore for TransactionPages<'_, '_> {
+impl PageStore for RecordedPages<'_, '_> {
     fn layout(&self) -> PageLayout {
         self.layout
     }
@@ -36,16 +37,15 @@ impl PageStore for TransactionPages<'_, '_> {
     }
 
     fn load(&mut self, key: &PageKey) -> Result<Option<Page>, BoxError> {
-        Ok(self.transaction.load_page(key)?)
+        Ok(self.recording.load_page(key)?.map(Arc::unwrap_or_clone))
     }
 
     fn load_before(&mut self, key: &PageKey) -> Result<Option<Page>, BoxError> {
-        Ok(self.transaction.load_page_before(key)?)
+        Ok(self.recording.load_page_before(key)?.map(Arc::unwrap_or_clone))
     }
 
     fn save(&mut self, pages: Vec<(PageKey, Page)>) -> Result<(), BoxError> {
-        self.transaction.write_pages(&pages)?;
         self.saved.extend(pages.iter().map(|(key, _)| *key));
-        Ok(())
+        Ok(self.recording.write_pages(pages)?)
     }
 }

@@ -11,7 +11,8 @@ pub const MAX_SAMPLES_PER_SIDE: u32 = 1 << 20;
 
 /// What becomes of samples that have no usable height: nodata, voids, NaN, infinities, and magnitudes above
 /// [`MAX_HEIGHT_M`].
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum NodataPolicy {
     /// The import fails and says how many there are and where the first is.
@@ -23,8 +24,10 @@ pub enum NodataPolicy {
     Value(f32),
 }
 
-/// How to read a file. The default reads what the file says of itself.
-#[derive(Debug, Clone, PartialEq)]
+/// How to read a file. The default reads what the file says of itself. As JSON it holds what decides about heights, and not
+/// the limits of size and memory, which are the reader's own.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ImportOptions {
     /// The format; the file's ending tells it if none is given.
     pub format: Option<Format>,
@@ -36,15 +39,19 @@ pub struct ImportOptions {
     pub byte_order: Option<ByteOrder>,
     /// Heights in metres of the sample 0 and of the greatest sample (255 or 65,535), for PNG, `.r16` and unsigned
     /// `.raw`. Without it a sample is a height in metres.
+    #[serde(rename = "range")]
     pub range_m: Option<(f64, f64)>,
     /// What becomes of samples with no data.
     pub nodata: NodataPolicy,
     /// Takes the samples as they are, this many metres apart, whatever the file says of its spacing.
+    #[serde(rename = "spacing")]
     pub spacing_m: Option<f64>,
     /// The longest side that is accepted, samples; at most [`MAX_SAMPLES_PER_SIDE`].
+    #[serde(skip)]
     pub max_samples_per_side: u32,
     /// The most memory that work which cannot stream may hold, bytes: one band of TIFF tiles or one compressed
     /// strip, an interlaced PNG, a Fortran-ordered array, a raster whose holes are filled.
+    #[serde(skip)]
     pub memory_limit_bytes: u64,
 }
 

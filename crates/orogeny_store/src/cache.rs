@@ -8,8 +8,8 @@ use orogeny_field::{HeightBounds, Page, PageKey};
 
 use crate::EntryId;
 
-/// What the cache holds at most: little beside any budget, enough for all levels above a stroke.
-pub(crate) const MAX_CACHE_BYTES: u64 = 24 << 20;
+/// What a writer remembers of decoded pages at most, in bytes: little beside any budget, enough for all levels above a stroke.
+pub const MAX_CACHE_BYTES: u64 = 24 << 20;
 
 /// A page as the terrain has it.
 #[derive(Debug, Clone)]

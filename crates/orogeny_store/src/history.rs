@@ -14,7 +14,7 @@ use crate::database::Database;
 use crate::pyramid::{self, Changed, Plane};
 use crate::rows::{DeltaRow, Document, EntryLinks, EntryRow, PageInfo, PageRow};
 use crate::store::Stack;
-use crate::{Error, Result, Store, codec, content};
+use crate::{Error, Layer, Result, Store, codec, content};
 
 /// The number of a history entry; later ones are higher, none is used twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
@@ -178,6 +178,30 @@ impl Store {
             })?;
             Ok(log)
         })
+    }
+
+    /// The layers that the terrain had when it was made, from the bottom; `None` when the history does not reach back to that
+    /// any more.
+    ///
+    /// # Errors
+    /// When the history cannot be read or trusted.
+    pub fn original_layers(&self) -> Result<Option<Vec<Layer>>> {
+        if self.db.document()?.floor != EntryId::CREATION {
+            return Ok(None);
+        }
+        let states = self.db.layer_changes(EntryId::CREATION)?.into_iter().filter_map(|change| change.after);
+        let layers = states.map(|state| {
+            let layer: Layer = serde_json::from_str(&state).map_err(|err| Error::DamagedHistory {
+                entry: EntryId::CREATION,
+                page: None,
+                detail: err.to_string(),
+            })?;
+            let constant_m = self.stack.fields.get(&layer.heights).map_or(0.0, |field| field.constant);
+            Ok(Layer { constant_m, ..layer })
+        });
+        let mut layers = layers.collect::<Result<Vec<_>>>()?;
+        layers.sort_by_key(|layer| (layer.position, layer.id));
+        Ok(Some(layers))
     }
 
     /// The history in numbers, without reading the operations.

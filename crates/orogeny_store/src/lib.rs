@@ -59,6 +59,7 @@ mod upgrade;
 
 pub use blob::BlobHash;
 pub use budget::Dropped;
+pub use cache::MAX_CACHE_BYTES;
 pub use check::CheckReport;
 pub use database::Counters;
 pub use error::{Error, Holder, Result};

@@ -202,6 +202,15 @@ impl Store {
         Ok(content::content(&self.db, self.layout(), key)?.map(|content| content.page))
     }
 
+    /// Reads several pages, decoded on all cores. A damaged one comes as its error.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn load_pages(&self, keys: &[PageKey]) -> Result<Vec<Result<Option<Arc<Page>>>>> {
+        let pages = content::contents(&self.db, self.layout(), keys)?;
+        Ok(pages.into_iter().map(|content| Ok(content?.map(|content| content.page))).collect())
+    }
+
     /// Lowest and highest height, at full resolution and within the terrain, of what a page of any level covers; `None`
     /// where that is all the field's constant. Reads no page.
     ///

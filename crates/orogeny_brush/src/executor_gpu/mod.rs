@@ -11,7 +11,7 @@ use orogeny_field::{Page, PageKey, PageLayout, WeightMode};
 use orogeny_gpu::{Gpu, Kernels, ReadBack, ReadbackBelt};
 use orogeny_pages::{AtlasLimits, PageStore, Slot};
 
-use crate::execute::{Executor, Notices};
+use crate::execute::{Executor, Notices, PageMemory};
 use crate::plan::{Batch, PageWork};
 use crate::tiles::TileList;
 use crate::{Error, Result};
@@ -364,5 +364,9 @@ impl Executor for GpuExecutor {
         for key in keys {
             self.heights.forget(key);
         }
+    }
+
+    fn memory(&self) -> PageMemory {
+        PageMemory { host_in_bytes: 0, textures_in_bytes: self.texture_size_in_bytes() }
     }
 }

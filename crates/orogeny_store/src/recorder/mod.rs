@@ -9,12 +9,11 @@
 mod state;
 mod thread;
 
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel, sync_channel};
 use std::thread::JoinHandle;
 
-use orogeny_field::{FieldId, Page, PageKey, PageLayout, TerrainGrid};
+use orogeny_field::{Page, PageKey, PageLayout, TerrainGrid};
 
 use crate::{Change, Dropped, EntryId, Error, Layer, NewLayer, Result, Store, Transaction};
 use state::{Kept, Shared};
@@ -109,6 +108,11 @@ impl Recorder {
     pub fn flush(&mut self) -> Result<()> {
         self.shared.wait_until_durable();
         self.take_failure()
+    }
+
+    /// Waits until everything finished is on disk, or has failed to come there, which [`Self::flush`] tells.
+    pub fn wait_until_durable(&self) {
+        self.shared.wait_until_durable();
     }
 
     /// What had to go from the history since this was last asked, to keep to its budget.
@@ -352,25 +356,5 @@ impl Drop for Recording<'_> {
             self.recorder.send(Task::Abort { last_number: self.number }).ok();
             self.recorder.shared.wait_until_taken_back(self.number);
         }
-    }
-}
-
-/// The path of the terrain and the fields there are, for those who only have a recorder.
-impl Recorder {
-    /// Where the file is, absolute.
-    ///
-    /// # Errors
-    /// [`Error::WriterGone`].
-    pub fn path(&self) -> Result<&Path> {
-        Ok(self.on_disk()?.path())
-    }
-
-    /// What a field holds where it has no page.
-    ///
-    /// # Errors
-    /// [`Error::UnknownField`]; [`Error::WriterGone`].
-    pub fn constant(&self, field: FieldId) -> Result<f32> {
-        let fields = self.on_disk()?.fields();
-        fields.get(&field).map(|field| field.constant).ok_or(Error::UnknownField { field })
     }
 }

@@ -1,0 +1,115 @@
+//! The terrain file as the engine has it open: for writing, with commits behind the painting, or for reading.
+
+use std::path::Path;
+
+use orogeny_store::{MAX_CACHE_BYTES, Recorder, Store};
+
+use crate::{Error, Result};
+
+/// What painting may be ahead of the file at most, in bytes of pages.
+const MAX_PENDING_BYTES: u64 = 64 << 20;
+
+/// How the budget for pages in memory is shared out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Shares {
+    /// Pages that the executor keeps.
+    pub(crate) executor_in_bytes: u64,
+    /// Pages on their way to the file.
+    pub(crate) pending_in_bytes: u64,
+}
+
+impl Shares {
+    /// Of a whole budget. What the store remembers is taken off too; half is left for painting, however small it is.
+    pub(crate) fn of(budget_in_bytes: u64) -> Self {
+        let pending_in_bytes = MAX_PENDING_BYTES.min(budget_in_bytes / 8);
+        let rest = budget_in_bytes.saturating_sub(pending_in_bytes).saturating_sub(MAX_CACHE_BYTES);
+        Self { executor_in_bytes: rest.max(budget_in_bytes / 2), pending_in_bytes }
+    }
+}
+
+/// An open terrain file.
+#[derive(Debug)]
+pub(crate) enum Access {
+    Write(Recorder),
+    Read(Store),
+}
+
+impl Access {
+    /// Of a store that is open for writing.
+    pub(crate) fn writing(store: Store, budget_in_bytes: u64) -> Result<Self> {
+        Ok(Self::Write(Recorder::start(store, Shares::of(budget_in_bytes).pending_in_bytes)?))
+    }
+
+    pub(crate) fn reading(path: &Path) -> Result<Self> {
+        match Store::open_to_read(path) {
+            // There is no other way to read it.
+            Err(orogeny_store::Error::OlderVersion { version, .. }) => {
+                tracing::warn!("`{}` has format version {version}; it is brought up to date", path.display());
+                Store::open(path)?.close()?;
+                Ok(Self::Read(Store::open_to_read(path)?))
+            }
+            opened => Ok(Self::Read(opened?)),
+        }
+    }
+
+    /// The terrain as it is, once everything that is finished is on disk.
+    pub(crate) fn settled(&self) -> Result<&Store> {
+        match self {
+            Self::Write(recorder) => {
+                recorder.wait_until_durable();
+                Ok(recorder.on_disk()?)
+            }
+            Self::Read(store) => Ok(store),
+        }
+    }
+
+    /// The terrain as it is on disk.
+    pub(crate) fn on_disk(&self) -> Result<&Store> {
+        match self {
+            Self::Write(recorder) => Ok(recorder.on_disk()?),
+            Self::Read(store) => Ok(store),
+        }
+    }
+
+    pub(crate) fn recorder(&mut self) -> Result<&mut Recorder> {
+        match self {
+            Self::Write(recorder) => Ok(recorder),
+            Self::Read(store) => {
+                let path = store.path().to_owned();
+                Err(Error::Store(orogeny_store::Error::OpenedToRead { path }))
+            }
+        }
+    }
+
+    pub(crate) fn close(self) -> Result<()> {
+        match self {
+            Self::Write(recorder) => Ok(recorder.close()?),
+            Self::Read(store) => Ok(store.close()?),
+        }
+    }
+
+    /// Bytes of pages that it keeps in memory.
+    pub(crate) fn memory_in_bytes(&self) -> u64 {
+        match self {
+            Self::Write(recorder) => recorder.memory_in_bytes(),
+            Self::Read(store) => store.cached_bytes(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shares_keep_to_the_budget_and_leave_half_of_it_for_painting() {
+        for mebibytes in [1, 8, 64, 128, 512, 1024, 65_536] {
+            let budget = mebibytes << 20;
+            let Shares { executor_in_bytes, pending_in_bytes } = Shares::of(budget);
+            assert!(executor_in_bytes >= budget / 2, "{mebibytes} MiB");
+            assert!(executor_in_bytes + pending_in_bytes <= budget, "{mebibytes} MiB");
+        }
+        let large = Shares::of(1 << 30);
+        assert_eq!(large.executor_in_bytes + large.pending_in_bytes + MAX_CACHE_BYTES, 1 << 30);
+    }
+}
