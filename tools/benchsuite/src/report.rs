@@ -93,14 +93,14 @@ impl Report {
 
     pub fn print(&self) {
         println!("{}", self.machine);
-        println!("{:<52} {:>16} {:>21} {:>10} {:>8}", "", "median", "lowest .. highest", "ms", "of limit");
+        println!("{:<57} {:>16} {:>21} {:>10} {:>8}", "", "median", "lowest .. highest", "ms", "of limit");
         for figure in &self.figures {
             let (divisor, decimals, unit) = figure.unit.as_printed();
             let printed = |value: f64| format!("{:.decimals$}", value / divisor);
             let share =
                 figure.share_of_limit.map_or(String::new(), |share| format!("{:.0} %", share * 100.0));
             println!(
-                "{:<52} {:>8} {unit:<7} {:>9} .. {:>8} {:>10} {share:>8}",
+                "{:<57} {:>8} {unit:<7} {:>9} .. {:>8} {:>10} {share:>8}",
                 figure.name,
                 printed(figure.value),
                 printed(figure.lowest),
@@ -130,7 +130,7 @@ impl Report {
             {
                 let change = (figure.value / before.value - 1.0) * 100.0;
                 let run = path.file_stem().unwrap_or_default().display();
-                println!("{:<52} {change:>+9.0} % {run}", figure.name);
+                println!("{:<57} {change:>+9.0} % {run}", figure.name);
             }
         }
         Ok(())
