@@ -79,8 +79,9 @@ impl Ground {
         self.pages.iter().map(|(_, page)| codec::ordered_from_page(page)).collect()
     }
 
-    /// Paints strokes one after another; gives for each the pages that it changed. `seed` decides their way.
-    pub fn paint(&self, brushes: &[Brush], seed: u32) -> Result<Vec<Vec<(PageKey, Change)>>> {
+    /// Paints strokes one after another; gives for each the pages that it changed, with their place in [`Self::ordered`].
+    /// `seed` decides their way.
+    pub fn paint(&self, brushes: &[Brush], seed: u32) -> Result<Vec<Vec<(u32, Change)>>> {
         let layout = PageLayout::default();
         let mut executor = CpuExecutor::new(layout, BUDGET_IN_BYTES, None)?;
         let mut pages = MemoryPages::new(layout, 0.0);
@@ -133,16 +134,16 @@ fn way(grid: &TerrainGrid, seed: u32) -> Vec<PointerSample> {
 }
 
 /// The pages that differ from those before the stroke, in the order of the ground's.
-fn changes(ground: &[(PageKey, Page)], pages: &mut MemoryPages) -> Result<Vec<(PageKey, Change)>> {
+fn changes(ground: &[(PageKey, Page)], pages: &mut MemoryPages) -> Result<Vec<(u32, Change)>> {
     let mut changes = Vec::new();
-    for (key, _) in ground {
+    for ((key, _), place) in ground.iter().zip(0..) {
         let before = pages.load_before(key).map_err(anyhow::Error::from_boxed)?;
         let after = pages.load(key).map_err(anyhow::Error::from_boxed)?;
         if let (Some(before), Some(after)) = (before, after)
             && before != after
         {
             let [before, after] = [before, after].map(|page| codec::ordered_from_page(&page));
-            changes.push((*key, Change { before, after }));
+            changes.push((place, Change { before, after }));
         }
     }
     Ok(changes)

@@ -12,13 +12,14 @@ mod limit;
 mod measure;
 mod raise;
 mod report;
+mod stores;
 
 use anyhow::{Context as _, bail};
 
 use crate::report::Report;
 
 /// What can be measured.
-const WHAT: [&str; 2] = ["raise", "codecs"];
+const WHAT: [&str; 3] = ["raise", "codecs", "stores"];
 
 struct Arguments {
     what: Vec<String>,
@@ -33,6 +34,7 @@ fn main() -> anyhow::Result<()> {
         match what.as_str() {
             "raise" => raise::run(&mut report, arguments.repeat)?,
             "codecs" => codecs::run(&mut report, arguments.repeat)?,
+            "stores" => stores::run(&mut report, arguments.repeat)?,
             other => bail!("there is no benchmark `{other}`; there are {}", WHAT.join(", ")),
         }
     }

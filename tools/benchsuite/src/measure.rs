@@ -27,12 +27,18 @@ impl Times {
 
     /// The middle one.
     pub fn median_s(&self) -> f64 {
-        Spread::of(self.seconds.clone()).median
+        self.spread_s().median
+    }
+
+    /// The middle one, the fastest and the slowest.
+    pub fn spread_s(&self) -> Spread {
+        Spread::of(self.seconds.clone())
     }
 
     /// What `amount` in each measured time comes to in a second.
     pub fn per_second(&self, amount: f64) -> Spread {
-        Spread::of(self.seconds.iter().map(|seconds| amount / seconds).collect())
+        let Spread { median, lowest, highest } = self.spread_s();
+        Spread { median: amount / median, lowest: amount / highest, highest: amount / lowest }
     }
 }
 

@@ -21,6 +21,9 @@ pub enum Unit {
     /// Pages a second.
     #[serde(rename = "pages/s")]
     PagesPerSecond,
+    /// How long something takes.
+    #[serde(rename = "s")]
+    Seconds,
     /// One size divided by another.
     #[serde(rename = "x")]
     Ratio,
@@ -55,6 +58,11 @@ impl Figure {
             share_of_limit: limit.map(|limit| spread.median / limit),
             ..Self::of_spread(name, unit, spread)
         }
+    }
+
+    /// How long something takes.
+    pub fn time(name: String, times: &Times) -> Self {
+        Self::of_spread(name, Unit::Seconds, times.spread_s())
     }
 
     /// A proportion, measured several times or once.
@@ -153,6 +161,7 @@ impl Unit {
             Self::SamplesPerSecond => (1.0e6, 0, "M/s"),
             Self::BytesPerSecond => (1.0e6, 0, "MB/s"),
             Self::PagesPerSecond => (1.0, 0, "pages/s"),
+            Self::Seconds => (1.0e-3, 2, "ms"),
             Self::Ratio => (1.0, 2, "x"),
         }
     }
