@@ -1,6 +1,6 @@
 //! The codecs that are compared.
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use orogeny_store::codec;
 use zstd::bulk::{Compressor, Decompressor};
 
@@ -71,6 +71,7 @@ pub fn all() -> Vec<Candidate> {
         candidate("shuffle zstd 1", Ordered, Filtered(Filter::Shuffle, Zstd)),
         candidate("Lorenzo shuffle lz4", Ordered, Filtered(Filter::LorenzoShuffle, Lz4)),
         candidate("Lorenzo shuffle zstd 1 (codec 1)", Ordered, Filtered(Filter::LorenzoShuffle, Zstd)),
+        candidate("Lorenzo shift shuffle zstd 1", Ordered, Filtered(Filter::LorenzoShiftShuffle, Zstd)),
         candidate("the product", Ordered, Product),
     ]
 }
@@ -81,12 +82,15 @@ impl Candidate {
             return Ok(codec::encode(values, SIDE)?);
         };
         let Workspace { residuals, bytes, coded, compressor, .. } = workspace;
-        filter.apply(values, residuals, bytes);
+        let shift = filter.apply(values, residuals, bytes);
         let size_in_bytes = match compression {
             Compression::Lz4 => lz4_flex::block::compress_into(bytes, coded)?,
             Compression::Zstd => compressor.compress_to_buffer(bytes, coded.as_mut_slice())?,
         };
-        Ok(coded.get(..size_in_bytes).unwrap_or_default().to_vec())
+        let mut page = Vec::with_capacity(1 + size_in_bytes);
+        page.push(shift);
+        page.extend_from_slice(coded.get(..size_in_bytes).unwrap_or_default());
+        Ok(page)
     }
 
     pub fn decode(&self, coded: &[u8], workspace: &mut Workspace) -> Result<Vec<u32>> {
@@ -94,12 +98,13 @@ impl Candidate {
             return Ok(codec::decode(codec::WRITTEN, coded, SIDE)?);
         };
         let Workspace { bytes, decompressor, .. } = workspace;
+        let (shift, coded) = coded.split_first().context("there are no bytes")?;
         match compression {
             Compression::Lz4 => lz4_flex::block::decompress_into(coded, bytes)?,
             Compression::Zstd => decompressor.decompress_to_buffer(coded, bytes.as_mut_slice())?,
         };
         let mut values = vec![0; SIDE * SIDE];
-        filter.undo(bytes, &mut values);
+        filter.undo(*shift, bytes, &mut values);
         Ok(values)
     }
 }

@@ -13,11 +13,14 @@ pub enum Filter {
     Shuffle,
     /// Two-dimensional prediction, then the bytes of the same significance together.
     LorenzoShuffle,
+    /// The same, without the zero bits at the low end that all that remains shares.
+    LorenzoShiftShuffle,
 }
 
 impl Filter {
-    /// Fills `bytes`, which is 4 x as long as `values`.
-    pub fn apply(self, values: &[u32], residuals: &mut [u32], bytes: &mut [u8]) {
+    /// Fills `bytes`, which is 4 x as long as `values`, and gives the number of bits that were left out.
+    pub fn apply(self, values: &[u32], residuals: &mut [u32], bytes: &mut [u8]) -> u8 {
+        let mut shift = 0;
         match self {
             Self::None => {
                 for (value, bytes) in values.iter().zip(bytes.as_chunks_mut().0) {
@@ -35,11 +38,17 @@ impl Filter {
                 planes::predict(values, SIDE, 0, residuals);
                 planes::split(residuals, 0, bytes);
             }
+            Self::LorenzoShiftShuffle => {
+                let used_bits = planes::predict(values, SIDE, 0, residuals);
+                shift = used_bits.trailing_zeros() % u32::BITS;
+                planes::split(residuals, shift, bytes);
+            }
         }
+        shift as u8
     }
 
     /// The inverse of [`Self::apply`].
-    pub fn undo(self, bytes: &[u8], values: &mut [u32]) {
+    pub fn undo(self, shift: u8, bytes: &[u8], values: &mut [u32]) {
         match self {
             Self::None => {
                 for (value, bytes) in values.iter_mut().zip(bytes.as_chunks().0) {
@@ -54,8 +63,8 @@ impl Filter {
                     }
                 }
             }
-            Self::LorenzoShuffle => {
-                planes::join(bytes, 0, values);
+            Self::LorenzoShuffle | Self::LorenzoShiftShuffle => {
+                planes::join(bytes, shift.into(), values);
                 planes::unpredict(values, SIDE, 0);
             }
         }
