@@ -2,34 +2,59 @@
 //!
 //! 1. The bits of an `f32` are mapped to a `u32` that grows with the number ([`ordered_from_bits`]), so that the
 //!    wrapping difference of two pages is small where they are close, and exactly reversible for every bit pattern.
-//! 2. Each value is predicted from its three neighbours above and to the left (Lorenzo); what remains is folded so
-//!    that small negative numbers have small codes.
-//! 3. The four bytes of what remains go into four planes: the high ones are nearly all zero.
-//! 4. zstd, level 1.
+//! 2. Each value is predicted from its three neighbours above and to the left (Lorenzo), and what remains once more,
+//!    or not at all, whichever leaves the least.
+//! 3. Zero bits at the low end that all that remains shares are left out: heights in whole metres differ by
+//!    multiples of a power of two.
+//! 4. What remains is folded so that small negative numbers have small codes.
+//! 5. The four bytes of each code go into four planes: the high ones are nearly all zero.
+//! 6. zstd, level 1, a frame for each plane.
+//!
+//! Before the frames stand how often the values were predicted and how many bits were left out, one byte each, and the
+//! page's first value, from which the prediction starts, four bytes, little-endian (0 where nothing is predicted).
 //!
 //! A page's content is coded as its ordered values, a history delta as the wrapping difference `after - before` of
 //! them. A constant cancels in step 2, so an absent page counts as ordered 0 and no codec needs a field's constant.
 
-use std::ops::Range;
+pub mod planes;
+mod workspace;
+
+use std::cell::RefCell;
 
 use orogeny_field::Page;
 
-/// What the `codec` column holds for the coding described above. Other numbers are refused, so that a later version
-/// can add one.
+use workspace::{Header, Workspace};
+
+/// What the `codec` column holds for the first coding: step 2 once, no step 3, one zstd frame, no header. Read, but no
+/// longer written.
 pub const LORENZO_SHUFFLE_ZSTD: u8 = 1;
 
-/// Speed is worth more than the last percent: higher levels gain little on these planes.
-const ZSTD_LEVEL: i32 = 1;
+/// What the `codec` column holds for the coding described above. Other numbers are refused, so that a later version can
+/// add one.
+pub const ADAPTIVE_LORENZO_SHUFFLE_ZSTD: u8 = 2;
+
+/// What [`encode`] writes.
+pub const WRITTEN: u8 = ADAPTIVE_LORENZO_SHUFFLE_ZSTD;
+
+thread_local! {
+    static WORKSPACE: RefCell<Workspace> = RefCell::default();
+}
 
 /// Why coded bytes could not be decoded.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DecodeError {
     /// The number in the `codec` column is not known to this version.
-    #[error("its codec {codec} is not known, {LORENZO_SHUFFLE_ZSTD} is")]
+    #[error("its codec {codec} is not known, {LORENZO_SHUFFLE_ZSTD} and {ADAPTIVE_LORENZO_SHUFFLE_ZSTD} are")]
     UnknownCodec {
         /// What was found.
         codec: u8,
+    },
+    /// The bytes before the compressed planes are missing or make no sense.
+    #[error("its {size_in_bytes} bytes begin with no header that makes sense")]
+    Header {
+        /// How many coded bytes there were.
+        size_in_bytes: usize,
     },
     /// zstd did not accept the bytes, or they hold more than a page.
     #[error("its {size_in_bytes} bytes cannot be decompressed into {expected} ({reason})")]
@@ -100,16 +125,16 @@ pub const fn max_size_in_bytes(num_samples: usize) -> usize {
     raw + raw / 128 + 1024
 }
 
-/// Codes the values of a square page, `side` to a row.
+/// Codes the values of a square page, `side` to a row, as [`WRITTEN`].
 ///
 /// # Errors
 /// What zstd reports: in practice only that memory ran out.
 pub fn encode(values: &[u32], side: usize) -> std::io::Result<Vec<u8>> {
-    let mut planes = vec![0_u8; values.len() * 4];
-    split_residuals(values, side, &mut planes);
-    let mut bytes = zstd::bulk::compress(&planes, ZSTD_LEVEL)?;
-    bytes.shrink_to_fit();
-    Ok(bytes)
+    WORKSPACE.with_borrow_mut(|workspace| {
+        let coded = workspace.encode(values, side);
+        workspace.let_go_of_much();
+        coded
+    })
 }
 
 /// The values of a square page, `side` to a row, from its coded bytes. Takes no more memory than two pages, whatever
@@ -118,78 +143,21 @@ pub fn encode(values: &[u32], side: usize) -> std::io::Result<Vec<u8>> {
 /// # Errors
 /// [`DecodeError`] when the bytes are not exactly one page in a known codec.
 pub fn decode(codec: u8, bytes: &[u8], side: usize) -> Result<Vec<u32>, DecodeError> {
-    if codec != LORENZO_SHUFFLE_ZSTD {
-        return Err(DecodeError::UnknownCodec { codec });
-    }
-    let num_samples = side * side;
-    let expected = num_samples * 4;
-    let mut planes = vec![0_u8; expected];
-    let actual = zstd::bulk::decompress_to_buffer(bytes, planes.as_mut_slice()).map_err(|err| {
-        DecodeError::Compression { size_in_bytes: bytes.len(), expected, reason: err.to_string() }
-    })?;
-    if actual != expected {
-        return Err(DecodeError::Length { expected, actual });
-    }
-    let mut values = vec![0_u32; num_samples];
-    join_residuals(&planes, side, &mut values);
-    Ok(values)
-}
-
-/// Small numbers of either sign to small codes: 0, -1, 1, -2, 2 ...
-const fn folded(residual: u32) -> u32 {
-    (residual << 1) ^ (residual.cast_signed() >> 31).cast_unsigned()
-}
-
-const fn unfolded(code: u32) -> u32 {
-    (code >> 1) ^ (code & 1).wrapping_neg()
-}
-
-#[expect(
-    clippy::indexing_slicing,
-    reason = "the planes are 4 x values long, and every range is a row of one of them"
-)]
-fn split_residuals(values: &[u32], side: usize, planes: &mut [u8]) {
-    let plane_len = values.len();
-    let first_row_above = vec![0_u32; side];
-    let mut above = first_row_above.as_slice();
-    let (low, high) = planes.split_at_mut(plane_len * 2);
-    let (plane_0, plane_1) = low.split_at_mut(plane_len);
-    let (plane_2, plane_3) = high.split_at_mut(plane_len);
-    for (row, z) in values.chunks_exact(side).zip(0..) {
-        let at: Range<usize> = z * side..(z + 1) * side;
-        let bytes = plane_0[at.clone()]
-            .iter_mut()
-            .zip(&mut plane_1[at.clone()])
-            .zip(&mut plane_2[at.clone()])
-            .zip(&mut plane_3[at]);
-        let (mut left, mut above_left) = (0_u32, 0_u32);
-        for ((&value, &up), (((b0, b1), b2), b3)) in row.iter().zip(above).zip(bytes) {
-            let predicted = left.wrapping_add(up).wrapping_sub(above_left);
-            [*b0, *b1, *b2, *b3] = folded(value.wrapping_sub(predicted)).to_le_bytes();
-            (left, above_left) = (value, up);
+    let (header, compressed) = match codec {
+        LORENZO_SHUFFLE_ZSTD => (Header::IMPLIED, bytes),
+        ADAPTIVE_LORENZO_SHUFFLE_ZSTD => Header::from_bytes(bytes)?,
+        _ => return Err(DecodeError::UnknownCodec { codec }),
+    };
+    WORKSPACE.with_borrow_mut(|workspace| {
+        let mut values = vec![0; side * side];
+        let joined = workspace.join(compressed, header.shift, &mut values);
+        workspace.let_go_of_much();
+        joined?;
+        for remaining in (0..header.order).rev() {
+            planes::unpredict(&mut values, side, if remaining == 0 { header.base } else { 0 });
         }
-        above = row;
-    }
-}
-
-#[expect(
-    clippy::indexing_slicing,
-    reason = "the planes are 4 x values long, and every range is a row of one of them"
-)]
-fn join_residuals(planes: &[u8], side: usize, values: &mut [u32]) {
-    let plane_len = values.len();
-    let mut above = vec![0_u32; side];
-    for (row, z) in values.chunks_exact_mut(side).zip(0..) {
-        let at = |plane: usize| plane * plane_len + z * side..plane * plane_len + (z + 1) * side;
-        let bytes = planes[at(0)].iter().zip(&planes[at(1)]).zip(&planes[at(2)]).zip(&planes[at(3)]);
-        // The sum along the row of what remains is the rise over the row above.
-        let mut rise = 0_u32;
-        for ((value, up), (((b0, b1), b2), b3)) in row.iter_mut().zip(&mut above).zip(bytes) {
-            rise = rise.wrapping_add(unfolded(u32::from_le_bytes([*b0, *b1, *b2, *b3])));
-            *value = up.wrapping_add(rise);
-            *up = *value;
-        }
-    }
+        Ok(values)
+    })
 }
 
 #[cfg(test)]
@@ -204,6 +172,30 @@ mod tests {
         prop_oneof![any::<u32>(), (0_u32..64).prop_map(|n| n), Just(0x8000_0000), Just(u32::MAX)]
     }
 
+    /// Values that are best not predicted, predicted once and twice.
+    fn of_order(order: u8, seed: u32) -> Vec<u32> {
+        let mixed = |n: u32| (n ^ n >> 15).wrapping_mul(0x846c_a68b);
+        let noise = |i: u32| mixed(mixed(i.wrapping_add(seed).wrapping_mul(0x7feb_352d)));
+        let value = |i: u32| {
+            let (x, z) = (i % SIDE as u32, i / SIDE as u32);
+            match order {
+                // As likely below 0 as above, as noise of a brush is.
+                0 => (noise(i) >> 18).wrapping_sub(1 << 13),
+                1 => 2_000 * x + 900 * z + (noise(i) >> 26),
+                _ => x * z * (x + z) + 0x4000_0000,
+            }
+        };
+        (0..(SIDE * SIDE) as u32).map(value).collect()
+    }
+
+    /// As the first codec was written.
+    fn encode_as_before(values: &[u32]) -> Vec<u8> {
+        let (mut residuals, mut bytes) = (vec![0; values.len()], vec![0; values.len() * 4]);
+        planes::predict(values, SIDE, 0, &mut residuals);
+        planes::split(&residuals, 0, &mut bytes);
+        zstd::bulk::compress(&bytes, 1).unwrap()
+    }
+
     #[test]
     fn ordered_values_grow_with_the_number() {
         let rising = [-1.0e7_f32, -1.0, -f32::MIN_POSITIVE, -0.0, 0.0, 1.0e-45, 1.0, 1.0e7];
@@ -215,7 +207,7 @@ mod tests {
     #[test]
     fn small_residuals_of_either_sign_have_small_codes() {
         for residual in [0_i32, 1, -1, 127, -128] {
-            assert!(folded(residual.cast_unsigned()) < 256, "{residual}");
+            assert!(planes::folded(residual.cast_unsigned()) < 256, "{residual}");
         }
     }
 
@@ -226,54 +218,101 @@ mod tests {
     }
 
     #[test]
-    fn a_bomb_is_refused_without_its_memory() {
-        let bomb = zstd::bulk::compress(&vec![0_u8; 64 << 20], 1).unwrap();
-        assert!(matches!(
-            decode(LORENZO_SHUFFLE_ZSTD, &bomb, SIDE),
-            Err(DecodeError::Compression { expected: 16_384, .. })
-        ));
-        // A frame header that declares 2^40 bytes of content and has none.
-        let declared = [0x28, 0xb5, 0x2f, 0xfd, 0xe0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0];
-        assert!(decode(LORENZO_SHUFFLE_ZSTD, &declared, SIDE).is_err());
+    fn each_content_is_predicted_as_often_as_suits_it() {
+        for order in 0..=planes::MAX_ORDER {
+            assert_eq!(encode(&of_order(order, 7), SIDE).unwrap()[0], order);
+        }
     }
 
     #[test]
-    fn other_codecs_and_short_content_are_refused() {
+    fn whole_metres_leave_low_bits_out() {
+        let ground = |metres: fn(i32) -> i32| -> Vec<u32> {
+            let height_m = |i: i32| metres(i % SIDE as i32 + (i / SIDE as i32) * 3) as f32;
+            (0..(SIDE * SIDE) as i32).map(|i| ordered_from_bits(height_m(i).to_bits())).collect()
+        };
+        // A unit in the last place is 2^-13 m from 1024 m and 2^-12 m from 2048 m; negative numbers do as well.
+        for (values, shift) in [
+            (ground(|n| 1024 + n * n % 97), 13),
+            (ground(|n| 2000 + n * n % 97), 12),
+            (ground(|n| -2000 - n * n % 97), 12),
+        ] {
+            let coded = encode(&values, SIDE).unwrap();
+            assert_eq!(u32::from(coded[1]), shift);
+            assert_eq!(decode(WRITTEN, &coded, SIDE).unwrap(), values);
+        }
+    }
+
+    #[test]
+    fn a_bomb_is_refused_without_its_memory() {
+        let bomb = zstd::bulk::compress(&vec![0_u8; 64 << 20], 1).unwrap();
+        // A frame header that declares 2^40 bytes of content and has none.
+        let declared = [0x28, 0xb5, 0x2f, 0xfd, 0xe0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0];
+        for (codec, header) in [(LORENZO_SHUFFLE_ZSTD, &[][..]), (WRITTEN, &[1, 0, 0, 0, 0, 0])] {
+            let refused = decode(codec, &[header, &bomb].concat(), SIDE);
+            assert!(matches!(refused, Err(DecodeError::Compression { expected: 16_384, .. })));
+            assert!(decode(codec, &[header, &declared].concat(), SIDE).is_err());
+        }
+    }
+
+    #[test]
+    fn other_codecs_headers_and_short_content_are_refused() {
         let coded = encode(&vec![7; SIDE * SIDE], SIDE).unwrap();
-        assert_eq!(decode(2, &coded, SIDE), Err(DecodeError::UnknownCodec { codec: 2 }));
+        assert_eq!(decode(3, &coded, SIDE), Err(DecodeError::UnknownCodec { codec: 3 }));
         assert_eq!(
-            decode(LORENZO_SHUFFLE_ZSTD, &coded, SIDE * 2),
+            decode(WRITTEN, &coded, SIDE * 2),
             Err(DecodeError::Length { expected: 65_536, actual: 16_384 })
         );
+        for (place, value) in [(0, planes::MAX_ORDER + 1), (1, 32)] {
+            let mut damaged = coded.clone();
+            damaged[place] = value;
+            let refused = Err(DecodeError::Header { size_in_bytes: coded.len() });
+            assert_eq!(decode(WRITTEN, &damaged, SIDE), refused);
+        }
+        assert_eq!(decode(WRITTEN, &coded[..5], SIDE), Err(DecodeError::Header { size_in_bytes: 5 }));
+    }
+
+    #[test]
+    fn what_large_pages_need_is_not_kept() {
+        let large = vec![1; 1024 * 1024];
+        assert_eq!(decode(WRITTEN, &encode(&large, 1024).unwrap(), 1024).unwrap(), large);
+        WORKSPACE.with_borrow(|workspace| assert_eq!(workspace.planes.capacity(), 0));
     }
 
     proptest! {
         #[test]
         fn ordering_is_reversible_for_all_bits(bits in any::<u32>()) {
             prop_assert_eq!(bits_from_ordered(ordered_from_bits(bits)), bits);
-            prop_assert_eq!(unfolded(folded(bits)), bits);
+            prop_assert_eq!(planes::unfolded(planes::folded(bits)), bits);
         }
 
         #[test]
-        fn any_values_come_back(values in prop::collection::vec(any_bits(), SIDE * SIDE)) {
+        fn any_values_come_back(
+            order in 0..=planes::MAX_ORDER, seed in any::<u32>(), shift in 0_u32..16, is_smooth in any::<bool>(),
+            others in prop::collection::vec(any_bits(), SIDE * SIDE),
+        ) {
+            // Any bits, or what is predicted so often and may leave bits out.
+            let smooth = || of_order(order, seed).iter().map(|value| value << shift).collect();
+            let values = if is_smooth { smooth() } else { others };
             let coded = encode(&values, SIDE).unwrap();
             prop_assert!(coded.len() <= max_size_in_bytes(values.len()));
-            prop_assert_eq!(decode(LORENZO_SHUFFLE_ZSTD, &coded, SIDE).unwrap(), values);
+            prop_assert_eq!(&decode(WRITTEN, &coded, SIDE).unwrap(), &values);
+            prop_assert_eq!(&decode(LORENZO_SHUFFLE_ZSTD, &encode_as_before(&values), SIDE).unwrap(), &values);
         }
 
         #[test]
         fn damaged_bytes_never_panic(
-            seed in any::<u32>(), length in 0_usize..4000, flip in any::<prop::sample::Index>(),
+            order in 0..=planes::MAX_ORDER, seed in any::<u32>(), codec in 1..=WRITTEN, length in 0_usize..4000,
+            flip in any::<prop::sample::Index>(), bit in 0..8,
         ) {
-            let values: Vec<u32> = (0..(SIDE * SIDE) as u32).map(|i| i.wrapping_mul(seed) >> 12).collect();
-            let mut coded = encode(&values, SIDE).unwrap();
+            let values = of_order(order, seed);
+            let mut coded = if codec == WRITTEN { encode(&values, SIDE).unwrap() } else { encode_as_before(&values) };
             let place = flip.index(coded.len());
-            coded[place] ^= 0x10;
-            if let Ok(decoded) = decode(LORENZO_SHUFFLE_ZSTD, &coded, SIDE) {
+            coded[place] ^= 1_u8 << bit;
+            if let Ok(decoded) = decode(codec, &coded, SIDE) {
                 prop_assert_eq!(decoded.len(), values.len());
             }
             coded.truncate(length.min(coded.len() - 1));
-            prop_assert!(decode(LORENZO_SHUFFLE_ZSTD, &coded, SIDE).is_err());
+            prop_assert!(decode(codec, &coded, SIDE).is_err());
         }
     }
 }

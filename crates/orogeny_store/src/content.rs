@@ -26,7 +26,7 @@ pub(crate) fn encode_page(
     ordered: &[u32],
 ) -> Result<PageRow> {
     let bytes = encode(layout, ordered)?;
-    Ok(PageRow { key, info, codec: codec::LORENZO_SHUFFLE_ZSTD, bytes })
+    Ok(PageRow { key, info, codec: codec::WRITTEN, bytes })
 }
 
 /// Codes what was done to a page.
@@ -37,7 +37,7 @@ pub(crate) fn encode_delta(
     difference: &[u32],
 ) -> Result<DeltaRow> {
     let bytes = encode(layout, difference)?;
-    Ok(DeltaRow { key, revision_before, codec: codec::LORENZO_SHUFFLE_ZSTD, bytes })
+    Ok(DeltaRow { key, revision_before, codec: codec::WRITTEN, bytes })
 }
 
 /// The page of a row; refuses values that are no heights.

@@ -6,17 +6,20 @@
 
 #![expect(clippy::print_stdout, reason = "printing figures is what this program is for")]
 
+mod codecs;
+mod ground;
 mod limit;
 mod measure;
 mod raise;
 mod report;
+mod stores;
 
 use anyhow::{Context as _, bail};
 
 use crate::report::Report;
 
 /// What can be measured.
-const WHAT: [&str; 1] = ["raise"];
+const WHAT: [&str; 3] = ["raise", "codecs", "stores"];
 
 struct Arguments {
     what: Vec<String>,
@@ -30,6 +33,8 @@ fn main() -> anyhow::Result<()> {
     for what in &arguments.what {
         match what.as_str() {
             "raise" => raise::run(&mut report, arguments.repeat)?,
+            "codecs" => codecs::run(&mut report, arguments.repeat)?,
+            "stores" => stores::run(&mut report, arguments.repeat)?,
             other => bail!("there is no benchmark `{other}`; there are {}", WHAT.join(", ")),
         }
     }

@@ -1,11 +1,19 @@
-//! Times with their spread.
+//! Measurements with their spread.
 
 use std::time::Instant;
 
 /// Repeated measurements of one thing, in seconds.
-#[derive(Debug, Clone, Default, serde::Serialize)]
+#[derive(Debug, Clone, Default)]
 pub struct Times {
     seconds: Vec<f64>,
+}
+
+/// The middle one of repeated measurements, and how far they lie apart.
+#[derive(Debug, Clone, Copy)]
+pub struct Spread {
+    pub median: f64,
+    pub lowest: f64,
+    pub highest: f64,
 }
 
 impl Times {
@@ -17,22 +25,32 @@ impl Times {
         result
     }
 
-    fn sorted(&self) -> Vec<f64> {
-        let mut sorted = self.seconds.clone();
-        sorted.sort_by(f64::total_cmp);
-        sorted
-    }
-
     /// The middle one.
     pub fn median_s(&self) -> f64 {
-        let sorted = self.sorted();
-        sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+        self.spread_s().median
     }
 
-    /// The fastest and the slowest.
-    pub fn extremes_s(&self) -> (f64, f64) {
-        let sorted = self.sorted();
+    /// The middle one, the fastest and the slowest.
+    pub fn spread_s(&self) -> Spread {
+        Spread::of(self.seconds.clone())
+    }
+
+    /// What `amount` in each measured time comes to in a second.
+    pub fn per_second(&self, amount: f64) -> Spread {
+        let Spread { median, lowest, highest } = self.spread_s();
+        Spread { median: amount / median, lowest: amount / highest, highest: amount / lowest }
+    }
+}
+
+impl Spread {
+    /// Of measurements; not a number where there are none.
+    pub fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
         let at = |value: Option<&f64>| value.copied().unwrap_or(f64::NAN);
-        (at(sorted.first()), at(sorted.last()))
+        Self {
+            median: at(values.get(values.len() / 2)),
+            lowest: at(values.first()),
+            highest: at(values.last()),
+        }
     }
 }
