@@ -4,7 +4,9 @@ use std::num::NonZeroUsize;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::commands::{apply, brushes, demo, doctor, export, import, info, log, new, redo, render, undo};
+use crate::commands::{
+    apply, brushes, check, compact, demo, doctor, export, import, info, jump, log, new, redo, render, replay, salvage, undo,
+};
 
 /// A GPU brush engine for heightfields: make, import, brush, undo, draw and export terrains.
 #[derive(Debug, Parser)]
@@ -53,10 +55,20 @@ pub enum Command {
     Undo(undo::Arguments),
     /// Do again what was undone, bit for bit
     Redo(redo::Arguments),
+    /// Go to any entry of the history, on a branch too, bit for bit
+    Jump(jump::Arguments),
     /// List what was done
     Log(log::Arguments),
     /// Tell what a terrain is
     Info(info::Arguments),
+    /// Verify all of a terrain: every page, every delta, every checksum; repair it where asked to
+    Check(check::Arguments),
+    /// Give space back; limit what the history takes
+    Compact(compact::Arguments),
+    /// Copy what can be read of a damaged terrain into a new one
+    Salvage(salvage::Arguments),
+    /// Make a new terrain by doing again all that the history says
+    Replay(replay::Arguments),
     /// Write heights for another program; the file's ending tells the format
     Export(export::Arguments),
     /// Draw a picture

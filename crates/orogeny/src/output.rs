@@ -4,6 +4,8 @@ use std::fmt::Display;
 use std::io::{self, Write as _};
 use std::path::Path;
 
+use indicatif::HumanBytes;
+use orogeny_engine::{Dropped, MemoryUse};
 use serde::Serialize;
 
 /// Where reports go, and in which form.
@@ -73,6 +75,29 @@ pub fn text_of(path: &Path) -> String {
 /// Notes of the engine, a line each.
 pub fn write_notices(f: &mut std::fmt::Formatter<'_>, notices: &[String]) -> std::fmt::Result {
     notices.iter().try_for_each(|notice| writeln!(f, "note: {notice}"))
+}
+
+/// What a terrain keeps in memory, and what it may.
+pub fn memory_line(memory: &MemoryUse) -> String {
+    let MemoryUse { budget_in_bytes, pages_in_bytes, textures_in_bytes, store_in_bytes } = *memory;
+    format!(
+        "{} for painting, {} of textures, {} on their way to the file, of a budget of {}",
+        HumanBytes(pages_in_bytes),
+        HumanBytes(textures_in_bytes),
+        HumanBytes(store_in_bytes),
+        HumanBytes(budget_in_bytes)
+    )
+}
+
+/// What had to go from the history; `None` where nothing had.
+pub fn dropped_line(dropped: &Dropped) -> Option<String> {
+    let (first, last) = (dropped.entries.iter().min()?, dropped.entries.iter().max()?);
+    let entries = count(dropped.entries.len() as u64, "operation");
+    let size = HumanBytes(dropped.size_in_bytes);
+    Some(format!(
+        "{entries} ({first} to {last}, {size}) went from the history to keep to its budget: they stay done, and can no \
+         longer be undone"
+    ))
 }
 
 /// A number of things: `1 page`, `2 pages`.

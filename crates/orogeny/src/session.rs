@@ -50,7 +50,15 @@ impl Session {
         self.output
     }
 
-    /// Opens a terrain.
+    /// Opens a terrain for reading, beside whoever writes it.
+    ///
+    /// # Errors
+    /// As [`Terrain::open_to_read`].
+    pub fn open_to_read(&self, path: &Path) -> anyhow::Result<Terrain> {
+        Ok(Terrain::open_to_read(path, self.settings())?)
+    }
+
+    /// Opens a terrain for writing.
     ///
     /// # Errors
     /// As [`Terrain::open`].

@@ -54,6 +54,24 @@ pub fn nodata(text: &str) -> Result<NodataPolicy, String> {
     }
 }
 
+/// What the history may take in the file, in bytes; `None`: whatever it comes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HistoryBudget(pub Option<u64>);
+
+/// A size such as `500MiB`, or `none`.
+pub fn history_budget(text: &str) -> Result<HistoryBudget, String> {
+    const UNITS: [(&str, u32); 4] = [("KiB", 10), ("MiB", 20), ("GiB", 30), ("TiB", 40)];
+    if text == "none" {
+        return Ok(HistoryBudget(None));
+    }
+    let size = UNITS.into_iter().find_map(|(unit, shift)| {
+        let number: u64 = text.strip_suffix(unit)?.trim().parse().ok()?;
+        number.checked_mul(1 << shift).filter(|size| i64::try_from(*size).is_ok())
+    });
+    size.map(|size| HistoryBudget(Some(size)))
+        .ok_or_else(|| "give a size as 500MiB (KiB, MiB, GiB or TiB), or `none`".to_owned())
+}
+
 /// How one sample is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Sample {
@@ -99,6 +117,16 @@ impl From<Order> for ByteOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn history_budgets_have_a_unit() {
+        assert_eq!(history_budget("none"), Ok(HistoryBudget(None)));
+        assert_eq!(history_budget("3GiB"), Ok(HistoryBudget(Some(3 << 30))));
+        assert_eq!(history_budget("0 KiB"), Ok(HistoryBudget(Some(0))));
+        for bad in ["", "5", "5MB", "-1MiB", "1.5GiB", "99999999TiB", "GiB"] {
+            assert!(history_budget(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn sizes_are_two_whole_numbers() {

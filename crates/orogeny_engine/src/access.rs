@@ -41,15 +41,7 @@ impl Access {
     }
 
     pub(crate) fn reading(path: &Path) -> Result<Self> {
-        match Store::open_to_read(path) {
-            // There is no other way to read it.
-            Err(orogeny_store::Error::OlderVersion { version, .. }) => {
-                tracing::warn!("`{}` has format version {version}; it is brought up to date", path.display());
-                Store::open(path)?.close()?;
-                Ok(Self::Read(Store::open_to_read(path)?))
-            }
-            opened => Ok(Self::Read(opened?)),
-        }
+        Ok(Self::Read(up_to_date(path, Store::open_to_read)?))
     }
 
     /// The terrain as it is, once everything that is finished is on disk.
@@ -94,6 +86,21 @@ impl Access {
             Self::Write(recorder) => recorder.memory_in_bytes(),
             Self::Read(store) => store.cached_bytes(),
         }
+    }
+}
+
+/// Reads a terrain; one of an older version is brought up to date first, as there is no other way to read it.
+pub(crate) fn up_to_date<T>(
+    path: &Path,
+    read: impl Fn(&Path) -> orogeny_store::Result<T>,
+) -> orogeny_store::Result<T> {
+    match read(path) {
+        Err(orogeny_store::Error::OlderVersion { version, .. }) => {
+            tracing::warn!("`{}` has format version {version}; it is brought up to date", path.display());
+            Store::open(path)?.close()?;
+            read(path)
+        }
+        result => result,
     }
 }
 

@@ -45,13 +45,13 @@ pub use export::{ExportRequest, ExportSummary};
 pub use import::{ImportRequest, ImportSummary};
 pub use map::{MapRequest, MapSummary};
 pub use operation::{LayerReference, Operation, Recipe};
-pub use orogeny_field::{BrushType, Parameter, ParameterKind, SampleRect, TerrainGrid};
+pub use orogeny_field::{BrushType, PageKey, Parameter, ParameterKind, SampleRect, TerrainGrid};
 pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,
 };
 pub use orogeny_gpu::{AdapterDescription, list_adapters};
 pub use orogeny_store::{
-    Change, CheckReport, Dropped, Entry, EntryId, EntryState, HistorySummary, Layer, Repaired, Salvaged,
+    Change, CheckReport, Direction as HistoryDirection, Dropped, Entry, EntryId, EntryState, HistorySummary, Layer, Repaired, Salvaged,
 };
 pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;

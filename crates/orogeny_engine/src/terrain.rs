@@ -10,7 +10,7 @@ use orogeny_store::{
     Salvaged, Store,
 };
 
-use crate::access::Access;
+use crate::access::{Access, up_to_date};
 use crate::backend::{self, Settings};
 use crate::composite::{Composite, Source};
 use crate::progress::report;
@@ -157,7 +157,7 @@ impl Terrain {
     /// # Errors
     /// [`Error::Store`] when the file cannot be read at all. Damage is no error: it is what the report lists.
     pub fn check(path: &Path) -> Result<CheckReport> {
-        Ok(Store::check_file(path)?)
+        Ok(up_to_date(path, Store::check_file)?)
     }
 
     /// Makes a damaged terrain usable again, as far as what is left of it allows: see [`Repaired`].

@@ -7,10 +7,10 @@ use std::time::Instant;
 
 use anyhow::anyhow;
 use clap::Args;
-use orogeny_engine::{Applied, Recipe};
+use orogeny_engine::{Applied, Dropped, MemoryUse, Recipe};
 use serde::Serialize;
 
-use crate::output::{count, text_of};
+use crate::output::{count, dropped_line, text_of, write_notices};
 use crate::progress::ProgressWatch;
 use crate::session::Session;
 
@@ -35,6 +35,9 @@ struct Report {
     dry_run: bool,
     backend: String,
     operations: Vec<Applied>,
+    /// What went from the history.
+    dropped: Dropped,
+    memory: MemoryUse,
     elapsed_s: f64,
 }
 
@@ -55,9 +58,17 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     };
     drop(watch);
     let elapsed_s = start.elapsed().as_secs_f64();
+    let (dropped, memory) = (terrain.take_dropped_history()?, terrain.memory());
     terrain.close()?;
-    let terrain = text_of(&arguments.terrain);
-    session.output().report(&Report { terrain, dry_run: arguments.dry_run, backend, operations, elapsed_s })
+    session.output().report(&Report {
+        terrain: text_of(&arguments.terrain),
+        dry_run: arguments.dry_run,
+        backend,
+        operations,
+        dropped,
+        memory,
+        elapsed_s,
+    })
 }
 
 fn read(path: &Path) -> anyhow::Result<String> {
@@ -85,6 +96,7 @@ impl fmt::Display for Report {
         for (index, applied) in self.operations.iter().enumerate() {
             writeln!(f, "{:>3}/{num_operations}  {}", index + 1, one_line(applied))?;
         }
+        write_notices(f, dropped_line(&self.dropped).as_slice())?;
         let Self { terrain, backend, elapsed_s, .. } = self;
         let did = if self.dry_run { "tried out, and took back," } else { "applied" };
         let operations = count(num_operations, "operation");

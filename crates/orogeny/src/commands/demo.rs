@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
 impl Demo<'_> {
     fn import(&mut self, session: &Session) -> anyhow::Result<Terrain> {
         let path = self.path("terrain.orogeny");
-        for companion in ["", "-wal", "-shm"] {
+        for companion in ["", "-wal", "-shm", "-head"] {
             let mut old = path.clone().into_os_string();
             old.push(companion);
             remove_if_there(Path::new(&old))?;

@@ -23,6 +23,9 @@ pub struct Arguments {
     /// A region in metres; its far edges are outside [default: all]
     #[arg(long, value_name = "X,Z,W,D", value_parser = values::region, allow_hyphen_values = true)]
     region: Option<[f64; 4]>,
+    /// A coarser level, with a sample for two each way; 0 is full resolution
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    level: u8,
     /// One layer alone [default: what all of them come to]
     #[arg(long, value_name = "NAME")]
     layer: Option<String>,
@@ -63,8 +66,9 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
         },
         layer: arguments.layer.map(LayerReference::Name),
         region_m: arguments.region,
+        level: arguments.level,
     };
-    let terrain = session.open(&arguments.terrain)?;
+    let terrain = session.open_to_read(&arguments.terrain)?;
     let summary = terrain.export(&request, &mut ProgressWatch::new())?;
     terrain.close()?;
     session.output().report(&Report {

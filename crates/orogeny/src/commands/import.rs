@@ -9,7 +9,7 @@ use clap::Args;
 use orogeny_engine::{EntryId, ImportOptions, ImportRequest, NodataPolicy, Terrain};
 use serde::Serialize;
 
-use crate::output::{text_of, write_notices};
+use crate::output::{dropped_line, text_of, write_notices};
 use crate::progress::ProgressWatch;
 use crate::session::Session;
 use crate::values::{self, Order, Sample};
@@ -90,13 +90,14 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
         at_m: arguments.at.unwrap_or_default(),
     };
     let mut watch = ProgressWatch::new();
-    let (terrain, summary) = if made_terrain {
+    let (mut terrain, mut summary) = if made_terrain {
         Terrain::from_raster(&path, &request, session.settings(), &mut watch)?
     } else {
         let mut terrain = session.open(&path)?;
         let summary = terrain.import(&request, &mut watch)?;
         (terrain, summary)
     };
+    summary.notices.extend(dropped_line(&terrain.take_dropped_history()?));
     terrain.close()?;
     drop(watch);
     session.output().report(&Report {

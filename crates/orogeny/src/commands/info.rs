@@ -8,7 +8,7 @@ use indicatif::HumanBytes;
 use orogeny_engine::{Description, HeightStatistics};
 use serde::Serialize;
 
-use crate::output::{count, text_of};
+use crate::output::{count, memory_line, text_of};
 use crate::progress::ProgressWatch;
 use crate::session::Session;
 
@@ -36,7 +36,7 @@ struct Report {
 /// # Errors
 /// When it cannot be read.
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
-    let terrain = session.open(&arguments.terrain)?;
+    let terrain = session.open_to_read(&arguments.terrain)?;
     let description = terrain.describe()?;
     let heights = match arguments.heights {
         true => Some(terrain.height_statistics(&mut ProgressWatch::new())?),
@@ -55,9 +55,12 @@ impl fmt::Display for Report {
             f,
             "size     {width} x {depth} samples, one every {spacing_m} m: {width_m:.0} x {depth_m:.0} m"
         )?;
-        writeln!(f, "file     {}", HumanBytes(self.description.file_size_in_bytes))?;
+        let Description { file_size_in_bytes, num_commits, num_levels_above, .. } = &self.description;
+        let commits = count(*num_commits, "commit");
+        let levels = count((*num_levels_above).into(), "coarser level");
+        writeln!(f, "file     {}, {commits}, {levels}", HumanBytes(*file_size_in_bytes))?;
         for layer in layers {
-            let pages = count(layer.num_pages as u64, "page");
+            let pages = count(layer.num_pages, "page");
             let hidden = if layer.visible { "" } else { ", hidden" };
             writeln!(
                 f,
@@ -65,14 +68,19 @@ impl fmt::Display for Report {
                 layer.id, layer.name, layer.constant_m, layer.opacity
             )?;
         }
+        let budget = match history.budget_in_bytes {
+            Some(budget) => format!("of at most {}", HumanBytes(budget)),
+            None => "no limit".to_owned(),
+        };
         writeln!(
             f,
-            "history  {} applied, {} undone, {} left behind, {}",
+            "history  {} applied, {} undone, {} left behind, {}, {budget}",
             history.num_applied,
             history.num_undone,
             history.num_branch,
-            HumanBytes(history.delta_bytes)
+            HumanBytes(history.size_in_bytes)
         )?;
+        writeln!(f, "memory   {}", memory_line(&self.description.memory))?;
         match &self.heights {
             Some(heights) => {
                 writeln!(f, "heights  {} to {} m, mean {:.3} m", heights.min_m, heights.max_m, heights.mean_m)

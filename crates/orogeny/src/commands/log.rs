@@ -43,7 +43,7 @@ struct ReportedEntry {
 /// # Errors
 /// When the history cannot be read.
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
-    let terrain = session.open(&arguments.terrain)?;
+    let terrain = session.open_to_read(&arguments.terrain)?;
     let entries = terrain.log()?.into_iter().map(reported).collect::<Result<_, _>>()?;
     terrain.close()?;
     session.output().report(&Report { terrain: text_of(&arguments.terrain), entries })

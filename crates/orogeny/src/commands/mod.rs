@@ -2,15 +2,20 @@
 
 pub mod apply;
 pub mod brushes;
+pub mod check;
+pub mod compact;
 pub mod demo;
 pub mod doctor;
 pub mod export;
 pub mod import;
 pub mod info;
+pub mod jump;
 pub mod log;
 pub mod new;
 pub mod redo;
 pub mod render;
+pub mod replay;
+pub mod salvage;
 mod travel;
 pub mod undo;
 
@@ -28,6 +33,11 @@ pub fn run(command: Command, session: &Session) -> anyhow::Result<()> {
         Command::Apply(arguments) => apply::run(&arguments, session),
         Command::Undo(arguments) => undo::run(&arguments, session),
         Command::Redo(arguments) => redo::run(&arguments, session),
+        Command::Jump(arguments) => jump::run(&arguments, session),
+        Command::Check(arguments) => check::run(&arguments, session),
+        Command::Compact(arguments) => compact::run(&arguments, session),
+        Command::Salvage(arguments) => salvage::run(&arguments, session),
+        Command::Replay(arguments) => replay::run(&arguments, session),
         Command::Log(arguments) => log::run(&arguments, session),
         Command::Info(arguments) => info::run(&arguments, session),
         Command::Export(arguments) => export::run(arguments, session),

@@ -10,7 +10,7 @@ use orogeny_engine::MapRequest;
 use serde::Serialize;
 
 use crate::arguments::WrongUse;
-use crate::output::text_of;
+use crate::output::{text_of, write_notices};
 use crate::progress::ProgressWatch;
 use crate::session::Session;
 use crate::values;
@@ -44,6 +44,8 @@ struct Report {
     height_px: u32,
     samples_per_px: u32,
     range_m: [f32; 2],
+    level: u8,
+    notices: Vec<String>,
     elapsed_s: f64,
 }
 
@@ -60,7 +62,7 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
         size_px: arguments.size,
         range_m: arguments.range.map(|range_m| range_m.map(|height_m| height_m as f32)),
     };
-    let terrain = session.open(&arguments.terrain)?;
+    let terrain = session.open_to_read(&arguments.terrain)?;
     let summary = terrain.draw_map(&request, &mut ProgressWatch::new())?;
     terrain.close()?;
     session.output().report(&Report {
@@ -70,6 +72,8 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
         height_px: summary.height_px,
         samples_per_px: summary.samples_per_px,
         range_m: summary.range_m,
+        level: summary.level,
+        notices: summary.notices,
         elapsed_s: start.elapsed().as_secs_f64(),
     })
 }
@@ -82,6 +86,7 @@ impl fmt::Display for Report {
             1 => "a pixel a sample".to_owned(),
             side => format!("a pixel for {side} x {side} samples"),
         };
+        write_notices(f, &self.notices)?;
         writeln!(
             f,
             "drew {file}: {width_px} x {height_px} pixels, {scale}, tinted from {low_m} to {high_m} m, in {elapsed_s:.2} s"
