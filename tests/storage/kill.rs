@@ -148,8 +148,6 @@ fn a_killed_transaction_leaves_no_trace_however_large() {
                     (0..PAGES.0).map(|x| (PageKey { field, level: 0, z, x }, page(seed * 15 + z * 5 + x)));
                 transaction.write_pages(&row.collect::<Vec<_>>()).unwrap();
             }
-            let level_1 = PageKey { field, level: 1, z: 0, x: seed % 3 };
-            transaction.write_pages(&[(level_1, page(seed))]).unwrap();
         }
         transaction.add_layer(&NewLayer { name: "Lost".to_owned(), constant_m: 0.0 }).unwrap();
         acknowledge("written");

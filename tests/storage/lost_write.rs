@@ -14,9 +14,6 @@ use crate::support::{Seeded, child_path, is_long};
 /// Lost writes in the suite.
 const NUM_LOST_WRITES: usize = 100;
 
-/// Whether a log that lost its end is seen, which takes a record of the last commit outside of it.
-const IS_LOST_END_OF_LOG_SEEN: bool = false;
-
 /// How a terrain took the loss of a write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Verdict {
@@ -45,13 +42,9 @@ fn verdict(recording: &Recording, files: &Files, num_events: usize) -> Verdict {
     }
 }
 
-/// Never wrong heights in silence.
-fn is_seen_or_harmless(verdict: Verdict, file: &str) -> bool {
-    match verdict {
-        Verdict::Harmless | Verdict::Seen => true,
-        Verdict::EndIsGone => !IS_LOST_END_OF_LOG_SEEN && file.ends_with("-wal"),
-        Verdict::Wrong => false,
-    }
+/// Never wrong heights in silence, and never the loss of what was acknowledged.
+const fn is_seen_or_harmless(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::Harmless | Verdict::Seen)
 }
 
 /// Every write, by its place among the events, its file, and a number of events after which the terrain is opened.
@@ -97,7 +90,7 @@ fn a_lost_write_is_seen_or_harmless() {
         num_lost += 1;
         let verdict = verdict(&recording, &files, moment);
         *verdicts.entry(verdict).or_default() += 1;
-        if !is_seen_or_harmless(verdict, file) {
+        if !is_seen_or_harmless(verdict) {
             wrong.push(format!("event {index}, a write to {file}, seen after {moment} events: {verdict:?}"));
         }
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use orogeny_field::{FieldId, Page, PageKey};
 use orogeny_store::{EntryState, Error, NewLayer, Result, Store};
@@ -106,8 +107,9 @@ pub fn new_terrain(folder: &Path) -> (PathBuf, FieldId) {
 pub fn read(store: &Store) -> Result<State> {
     let mut pages = BTreeMap::new();
     for layer in store.layers() {
-        for key in store.page_keys(layer.heights)? {
-            pages.extend(store.load_page(&key)?.map(|page| (key, page)));
+        // What is above full resolution is compared with it by the check.
+        for key in store.page_keys(layer.heights)?.into_iter().filter(|key| key.level == 0) {
+            pages.extend(store.load_page(&key)?.map(|page| (key, Arc::unwrap_or_clone(page))));
         }
     }
     let entries = store.log()?.into_iter().map(|entry| (entry.id.0, entry.state, entry.operation_json));
