@@ -122,13 +122,13 @@ pub(crate) fn pages_above(grid: &TerrainGrid, layout: PageLayout, level: u8, cha
 
 fn gather(db: &Database, plane: &Plane, key: PageKey, rect: SampleRect) -> Result<Material> {
     let Plane { grid, layout, .. } = *plane;
-    let (mut rect, mut old) = (rect, None);
-    match content::content(db, layout, &key) {
-        Ok(found) => old = found,
-        // Made anew, as a whole.
-        Err(Error::DamagedPage { .. }) => rect = layout.page_rect(&key).intersection(&grid.bounds_at(key.level)),
+    let whole = layout.page_rect(&key).intersection(&grid.bounds_at(key.level));
+    let (rect, old) = match content::content(db, layout, &key) {
+        Ok(Some(old)) => (rect, Some(old)),
+        // New, or missing: whatever is below it counts. A damaged one is made anew.
+        Ok(None) | Err(Error::DamagedPage { .. }) => (whole, None),
         Err(err) => return Err(err),
-    }
+    };
     let level_below = key.level.saturating_sub(1);
     let read = rect_below(&rect).intersection(&grid.bounds_at(level_below));
     let keys: Vec<_> = layout

@@ -12,4 +12,6 @@ mod model;
 mod opening;
 mod operations;
 mod readers;
+mod recorder;
+mod repair;
 mod support;
