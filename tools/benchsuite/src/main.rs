@@ -13,13 +13,14 @@ mod measure;
 mod raise;
 mod report;
 mod stores;
+mod terrain;
 
 use anyhow::{Context as _, bail};
 
 use crate::report::Report;
 
 /// What can be measured.
-const WHAT: [&str; 3] = ["raise", "codecs", "stores"];
+const WHAT: [&str; 4] = ["raise", "codecs", "stores", "terrain"];
 
 struct Arguments {
     what: Vec<String>,
@@ -35,6 +36,7 @@ fn main() -> anyhow::Result<()> {
             "raise" => raise::run(&mut report, arguments.repeat)?,
             "codecs" => codecs::run(&mut report, arguments.repeat)?,
             "stores" => stores::run(&mut report, arguments.repeat)?,
+            "terrain" => terrain::run(&mut report, arguments.repeat)?,
             other => bail!("there is no benchmark `{other}`; there are {}", WHAT.join(", ")),
         }
     }

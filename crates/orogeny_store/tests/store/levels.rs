@@ -207,3 +207,63 @@ fn an_edge_reaches_into_the_next_page_above_and_goes_with_it() {
     assert_eq!(bits(&store.load_page(&PageKey::full_resolution(field, 1, 0)).unwrap().unwrap()), restored);
     assert_whole(&store);
 }
+
+/// Against what SciPy makes of the definition, in `f64`: `tests/fixtures/field/make.py`.
+#[test]
+fn levels_are_those_that_scipy_makes() {
+    let fixture = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/fixtures/field/levels.json");
+    let cases: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(fixture).unwrap()).unwrap();
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let (mut num_places, mut worst) = (0, 0.0_f64);
+    for case in cases.as_array().unwrap() {
+        let (width, depth) = (number(&case["width"]) as usize, number(&case["depth"]) as usize);
+        let scratch = Scratch::new();
+        let mut store = create(&scratch, width, depth);
+        paint_ground(&mut store, width, depth);
+        let (field, levels) = (store.layers()[0].heights, case["levels"].as_array().unwrap());
+        assert_eq!(levels.len(), usize::from(layout().top_level(&store.grid())));
+        for (level, expected) in (1_u8..).zip(levels) {
+            let rect = store.grid().bounds_at(level);
+            assert_eq!(
+                (f64::from(rect.width()), f64::from(rect.depth())),
+                (number(&expected["width"]), number(&expected["depth"]))
+            );
+            for place in expected["places"].as_array().unwrap() {
+                let (z, x) = (number(&place[0]) as u32, number(&place[1]) as u32);
+                let page = store.load_page(&PageKey { field, level, z: z / 64, x: x / 64 }).unwrap().unwrap();
+                let found = page.row(z % 64, x % 64, x % 64 + 1).unwrap()[0];
+                worst = worst.max((f64::from(found) - number(&place[2])).abs());
+                num_places += 1;
+            }
+            for page in expected["bounds"].as_array().unwrap() {
+                let key = PageKey { field, level, z: number(&page[0]) as u32, x: number(&page[1]) as u32 };
+                let bounds = HeightBounds { min_m: number(&page[2]) as f32, max_m: number(&page[3]) as f32 };
+                assert_eq!(store.page_bounds(&key).unwrap(), Some(bounds), "{key:?}");
+            }
+        }
+    }
+    println!("{num_places} samples, at most {worst:e} m apart");
+    // A hundred-thousandth of the range of heights, for each of up to three levels.
+    assert!(num_places > 300 && worst < 3.0e-5 * 4096.0, "{num_places} samples, {worst} m apart");
+}
+
+/// The heights of the fixture, which `f32` holds exactly.
+fn paint_ground(store: &mut Store, width: usize, depth: usize) {
+    let field = store.layers()[0].heights;
+    let places = layout().pages_in(store.grid().bounds());
+    let pages: Vec<_> = places
+        .map(|(page_x, page_z)| {
+            let mut page = Page::constant(layout(), CONSTANT_M);
+            for (index, height_m) in page.samples_mut().iter_mut().enumerate() {
+                let (x, z) = (page_x as usize * 64 + index % 64, page_z as usize * 64 + index / 64);
+                if x < width && z < depth {
+                    *height_m = ((x * 7919 + z * 104_729 + x * z * 31) % 65_536) as f32 * 0.0625 - 1500.0;
+                }
+            }
+            (PageKey::full_resolution(field, page_x, page_z), page)
+        })
+        .collect();
+    let mut transaction = store.begin().unwrap();
+    transaction.write_pages(&pages).unwrap();
+    transaction.commit("{}", "test").unwrap();
+}

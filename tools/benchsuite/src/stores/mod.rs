@@ -114,7 +114,7 @@ fn add_figures(report: &mut Report, work: &Work, limit: &Speeds, cases: &[Case])
 }
 
 fn measure_limit(limit: &mut Speeds, work: &Work) -> Result<()> {
-    let scratch = new_folder()?;
+    let scratch = scratch_folder()?;
     let mut file = Overwritten::create(scratch.path(), work.longest_commit())?;
     for (entry, size) in Work::commits() {
         let writes = work.commit(entry, size);
@@ -131,7 +131,7 @@ fn measure_limit(limit: &mut Speeds, work: &Work) -> Result<()> {
 impl Case {
     /// Once through the whole work, in a new folder.
     fn measure(&mut self, work: &Work) -> Result<()> {
-        let folder = new_folder()?;
+        let folder = scratch_folder()?;
         let mut store = (self.open)(folder.path())?;
         store.commit(0, work.ground())?;
         let mut live = Live::default();
@@ -157,7 +157,7 @@ impl Case {
 
 /// A folder that goes when it is dropped. It lies beside this program, in cargo's folder: on a disk, which the folder for
 /// temporary files need not be.
-fn new_folder() -> Result<TempDir> {
+pub fn scratch_folder() -> Result<TempDir> {
     let program = std::env::current_exe()?;
     let parent = program.parent().context("this program lies in no folder")?;
     Ok(tempfile::Builder::new().prefix("bench-stores-").tempdir_in(parent)?)
