@@ -89,15 +89,18 @@ pub fn memory_line(memory: &MemoryUse) -> String {
     )
 }
 
-/// What had to go from the history; `None` where nothing had.
+/// What went from the history; `None` where nothing did.
 pub fn dropped_line(dropped: &Dropped) -> Option<String> {
     let (first, last) = (dropped.entries.iter().min()?, dropped.entries.iter().max()?);
     let entries = count(dropped.entries.len() as u64, "operation");
     let size = HumanBytes(dropped.size_in_bytes);
-    Some(format!(
-        "{entries} ({first} to {last}, {size}) went from the history to keep to its budget: they stay done, and can no \
-         longer be undone"
-    ))
+    let num_applied = dropped.applied.len() as u64;
+    let what = match dropped.entries.len() as u64 - num_applied {
+        0 => "they stay done, and can no longer be undone".to_owned(),
+        number if num_applied == 0 => format!("{number} undone, gone for good"),
+        number => format!("{num_applied} stay done and can no longer be undone, {number} undone are gone for good"),
+    };
+    Some(format!("{entries} from {first} to {last} ({size}) went from the history: {what}"))
 }
 
 /// A number of things: `1 page`, `2 pages`.

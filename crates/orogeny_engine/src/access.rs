@@ -95,13 +95,21 @@ pub(crate) fn up_to_date<T>(
     read: impl Fn(&Path) -> orogeny_store::Result<T>,
 ) -> orogeny_store::Result<T> {
     match read(path) {
-        Err(orogeny_store::Error::OlderVersion { version, .. }) => {
-            tracing::warn!("`{}` has format version {version}; it is brought up to date", path.display());
-            Store::open(path)?.close()?;
+        Err(orogeny_store::Error::OlderVersion { .. }) => {
+            open_to_write(path)?.close()?;
             read(path)
         }
         result => result,
     }
+}
+
+/// Opens a store for writing, and says where that changed its version.
+pub(crate) fn open_to_write(path: &Path) -> orogeny_store::Result<Store> {
+    let store = Store::open(path)?;
+    if let Some(version) = store.upgraded_from() {
+        tracing::warn!("`{}` had format version {version} and was brought up to date", path.display());
+    }
+    Ok(store)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use orogeny_store::{
     Salvaged, Store,
 };
 
-use crate::access::{Access, up_to_date};
+use crate::access::{Access, open_to_write, up_to_date};
 use crate::backend::{self, Settings};
 use crate::composite::{Composite, Source};
 use crate::progress::report;
@@ -132,7 +132,7 @@ impl Terrain {
     /// [`Error::Store`] when the file is not there, is no terrain, is damaged or comes from a newer version, or when someone
     /// else has it open for writing.
     pub fn open(path: &Path, settings: Settings) -> Result<Self> {
-        Self::writing(Store::open(path)?, settings)
+        Self::writing(open_to_write(path)?, settings)
     }
 
     /// Opens a terrain for reading, beside whoever writes it: it shows what was last committed.

@@ -3,6 +3,7 @@
 //! What was left behind goes first, the oldest branch before the others; then the oldest operations that show, which can no
 //! longer be undone but stay in the terrain; last what could be redone, from its far end. Nothing goes without being named.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use crate::database::Database;
@@ -15,8 +16,19 @@ use crate::{EntryId, EntryState, Result, Store};
 pub struct Dropped {
     /// The entries, in the order in which they went.
     pub entries: Vec<EntryId>,
+    /// Those among them that show: they stay done, and can no longer be undone. The others are gone for good.
+    pub applied: Vec<EntryId>,
     /// What they took in the file, in bytes.
     pub size_in_bytes: u64,
+}
+
+impl Dropped {
+    /// Adds what went later.
+    pub(crate) fn extend(&mut self, later: Self) {
+        self.entries.extend(later.entries);
+        self.applied.extend(later.applied);
+        self.size_in_bytes += later.size_in_bytes;
+    }
 }
 
 impl Store {
@@ -37,10 +49,10 @@ impl Store {
     /// When the file cannot be written; nothing is changed then.
     pub fn drop_branches(&mut self) -> Result<Dropped> {
         self.drop_history(|db, document| {
-            let mut history = Droppable::load(db)?;
             let mut dropped = Dropped::default();
-            while let Some(branch) = history.last_branch() {
-                history.drop_entry(db, document, branch, &mut dropped)?;
+            let is_branch = |(_, state): &(EntryId, EntryState)| *state == EntryState::Branch;
+            for entry in order(db)?.into_iter().filter(is_branch) {
+                drop_entry(db, document, entry, &mut dropped)?;
             }
             Ok(dropped)
         })
@@ -90,80 +102,65 @@ pub(crate) fn keep(db: &Database, document: &mut Document) -> Result<Dropped> {
     }
     // The new place in the history, as the entries are to be seen from it.
     db.update_document(document)?;
-    let mut history = Droppable::load(db)?;
     // Somewhat more than must be, so that the next operations need not look through the history again.
     let enough = budget - budget / 16;
-    while document.history_bytes > enough
-        && let Some(entry) = history.next()
-    {
-        history.drop_entry(db, document, entry, &mut dropped)?;
+    for entry in order(db)? {
+        if document.history_bytes <= enough {
+            break;
+        }
+        drop_entry(db, document, entry, &mut dropped)?;
     }
     Ok(dropped)
 }
 
-/// The entries that are left, and how they hang together.
-struct Droppable {
-    states: BTreeMap<EntryId, EntryState>,
-    parents: BTreeMap<EntryId, EntryId>,
+/// The entries in the order in which they go.
+fn order(db: &Database) -> Result<Vec<(EntryId, EntryState)>> {
+    let tree = Tree::load(db)?;
+    let states = tree.states(db)?;
+    let is_branch = |id: &EntryId| states.get(id) == Some(&EntryState::Branch);
+    // The first entry of the branch that each one lies on. Parents come before their children.
+    let mut branches: BTreeMap<EntryId, EntryId> = BTreeMap::new();
+    for links in tree.0.values().filter(|links| is_branch(&links.id)) {
+        let first = links.parent.and_then(|parent| branches.get(&parent).copied()).unwrap_or(links.id);
+        branches.insert(links.id, first);
+    }
+    let mut branches: Vec<_> = branches.into_iter().collect();
+    // The oldest branch first, each from its far end: nothing hangs on what goes.
+    branches.sort_by_key(|(id, first)| (*first, Reverse(*id)));
+    let of_state = |wanted: EntryState| {
+        let entries = states.iter().filter(move |(_, state)| **state == wanted);
+        entries.map(|(id, state)| (*id, *state))
+    };
+    let branches = branches.into_iter().map(|(id, _)| (id, EntryState::Branch));
+    Ok(branches.chain(of_state(EntryState::Applied)).chain(of_state(EntryState::Undone).rev()).collect())
 }
 
-impl Droppable {
-    fn load(db: &Database) -> Result<Self> {
-        let tree = Tree::load(db)?;
-        let states = tree.states(db)?;
-        let parents = tree.0.values().filter_map(|links| Some((links.id, links.parent?))).collect();
-        Ok(Self { states, parents })
-    }
-
-    /// The last entry of the oldest branch.
-    fn last_branch(&self) -> Option<EntryId> {
-        let is_branch = |(id, state): (&EntryId, &EntryState)| (*state == EntryState::Branch).then_some(*id);
-        let oldest = self.states.iter().find_map(is_branch)?;
-        // The last child of it, of that, and so on: nothing hangs on what has no child.
-        let mut last = oldest;
-        while let Some((child, _)) = self.parents.iter().rfind(|(_, parent)| **parent == last) {
-            last = *child;
+fn drop_entry(
+    db: &Database,
+    document: &mut Document,
+    (entry, state): (EntryId, EntryState),
+    dropped: &mut Dropped,
+) -> Result<()> {
+    let size_in_bytes = db.entry_bytes(entry)?;
+    if state == EntryState::Applied {
+        // It becomes part of where undoing ends. Its branches are gone, so the one child it may have is the next to show or
+        // to be redone.
+        db.fold_layer_changes(entry, EntryId::CREATION)?;
+        for child in db.children_of(entry)? {
+            db.set_parent(child, EntryId::CREATION)?;
         }
-        Some(last)
-    }
-
-    fn next(&self) -> Option<EntryId> {
-        let first_applied = self.states.iter().find(|(_, state)| **state == EntryState::Applied);
-        let last_undone = || self.states.iter().rfind(|(_, state)| **state == EntryState::Undone);
-        self.last_branch().or_else(|| first_applied.or_else(last_undone).map(|(id, _)| *id))
-    }
-
-    fn drop_entry(
-        &mut self,
-        db: &Database,
-        document: &mut Document,
-        entry: EntryId,
-        dropped: &mut Dropped,
-    ) -> Result<()> {
-        let size_in_bytes = db.entry_bytes(entry)?;
-        if self.states.get(&entry) == Some(&EntryState::Applied) {
-            // It becomes part of where undoing ends. Its branches are gone, so the one child it may have is the next to show
-            // or to be redone.
-            db.fold_layer_changes(entry, EntryId::CREATION)?;
-            let children = db.children_of(entry)?;
-            for child in &children {
-                db.set_parent(*child, EntryId::CREATION)?;
-                self.parents.insert(*child, EntryId::CREATION);
-            }
-            let next = db.next_of(entry)?;
-            if document.head == entry {
-                document.head = EntryId::CREATION;
-                db.update_document(document)?;
-            }
-            db.set_next(EntryId::CREATION, next)?;
-            document.floor = entry;
+        let next = db.next_of(entry)?;
+        if document.head == entry {
+            document.head = EntryId::CREATION;
+            db.update_document(document)?;
         }
-        db.delete_entry(entry)?;
-        document.history_bytes = document.history_bytes.saturating_sub(size_in_bytes);
-        self.states.remove(&entry);
-        self.parents.remove(&entry);
-        dropped.entries.push(entry);
-        dropped.size_in_bytes += size_in_bytes;
-        Ok(())
+        db.set_next(EntryId::CREATION, next)?;
+        document.floor = entry;
     }
+    db.delete_entry(entry)?;
+    document.history_bytes = document.history_bytes.saturating_sub(size_in_bytes);
+    dropped.entries.push(entry);
+    dropped.applied.extend((state == EntryState::Applied).then_some(entry));
+    dropped.size_in_bytes += size_in_bytes;
+    Ok(())
 }

@@ -307,6 +307,8 @@ impl Database {
 
     /// Checkpoints and closes; SQLite removes the log when no other connection is left.
     pub(crate) fn close(self) -> Result<()> {
+        // No one is waited for: what a reader still needs of the log stays beside the file.
+        self.conn.busy_timeout(std::time::Duration::ZERO).map_err(|err| self.fault(err))?;
         let checkpointed = self.checkpoint();
         let Self { conn, path, .. } = self;
         let closed = conn.close().map_err(|(_, err)| Error::from_sqlite(&path, err));

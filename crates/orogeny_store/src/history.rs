@@ -17,7 +17,7 @@ use crate::store::Stack;
 use crate::{Error, Layer, Result, Store, codec, content};
 
 /// The number of a history entry; later ones are higher, none is used twice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(transparent)]
 pub struct EntryId(pub u32);
 
@@ -72,6 +72,9 @@ pub struct HistorySummary {
     pub size_in_bytes: u64,
     /// What it may take; the oldest entries go when it comes to more. `None`: there is no limit.
     pub budget_in_bytes: Option<u64>,
+    /// The last entry that showed when it was dropped: it and those before it stay done. [`EntryId::CREATION`] where the
+    /// history reaches back to the beginning.
+    pub dropped_up_to: EntryId,
     /// Entries that show.
     pub num_applied: u64,
     /// Entries that redo comes to.
@@ -214,6 +217,7 @@ impl Store {
             let mut summary = HistorySummary {
                 size_in_bytes: document.history_bytes,
                 budget_in_bytes: document.history_budget,
+                dropped_up_to: document.floor,
                 ..HistorySummary::default()
             };
             for state in Tree::load(&self.db)?.states(&self.db)?.values() {

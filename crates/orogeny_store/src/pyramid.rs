@@ -42,12 +42,21 @@ pub(crate) struct Plane {
     pub(crate) constant: f32,
 }
 
-/// A page above level 0 as it is to be; `None`: absent.
+/// What becomes of a page above level 0.
 struct Made {
     key: PageKey,
-    content: Option<Content>,
-    row: Option<PageRow>,
+    outcome: Outcome,
     changed: SampleRect,
+}
+
+enum Outcome {
+    /// It is written.
+    Page { content: Content, row: PageRow },
+    /// It is absent.
+    Absent,
+    /// It cannot be made, and stays as it is: what it is made of is damaged, and so is it, or it is missing. Above it, the
+    /// last whole level stays what it is.
+    AsItIs,
 }
 
 /// What a page is made of.
@@ -102,7 +111,10 @@ pub(crate) fn made_from_scratch(db: &Database, plane: &Plane, key: PageKey) -> R
     if material.is_below_damaged {
         return Err(Error::damaged_page(key, "a page below it is damaged"));
     }
-    Ok(material.make(plane)?.content)
+    match material.make(plane)?.outcome {
+        Outcome::Page { content, .. } => Ok(Some(content)),
+        Outcome::Absent | Outcome::AsItIs => Ok(None),
+    }
 }
 
 /// The pages of a level that the changes below it may reach, with what of them.
@@ -176,6 +188,9 @@ impl PageInfo {
 impl Material {
     fn make(self, plane: &Plane) -> Result<Made> {
         let Plane { layout, constant, .. } = *plane;
+        if self.is_below_damaged && self.old.is_none() {
+            return Ok(Made { key: self.key, outcome: Outcome::AsItIs, changed: SampleRect::EMPTY });
+        }
         let flat;
         let before = match &self.old {
             Some(old) => &*old.page,
@@ -196,11 +211,11 @@ impl Material {
             None if reaches_into() => {
                 PageInfo { revision: EntryId::CREATION, bounds: HeightBounds::of(constant) }
             }
-            None => return Ok(Made { key: self.key, content: None, row: None, changed }),
+            None => return Ok(Made { key: self.key, outcome: Outcome::Absent, changed }),
         };
         let row = content::encode_page(layout, self.key, info, &codec::ordered_from_page(&after))?;
         let content = Content { revision: info.revision, bounds: info.bounds, page: Arc::new(after) };
-        Ok(Made { key: self.key, content: Some(content), row: Some(row), changed })
+        Ok(Made { key: self.key, outcome: Outcome::Page { content, row }, changed })
     }
 
     /// Makes the samples of the rectangle.
@@ -255,17 +270,18 @@ impl Material {
 
 fn write(db: &Database, made: &Made) -> Result<()> {
     let mut cache = db.cache.borrow_mut();
-    match (&made.row, &made.content) {
-        (Some(row), Some(content)) => {
+    match &made.outcome {
+        Outcome::Page { content, row } => {
             db.write_page(row)?;
             cache.put(made.key, content.clone());
         }
-        _ => {
+        Outcome::Absent => {
             cache.forget(&made.key);
             if db.page_info(&made.key)?.is_some() {
                 db.delete_page(&made.key)?;
             }
         }
+        Outcome::AsItIs => {}
     }
     Ok(())
 }

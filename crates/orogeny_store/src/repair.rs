@@ -8,7 +8,7 @@ use orogeny_field::PageKey;
 
 use crate::cache::Content;
 use crate::history::Tree;
-use crate::pyramid::{self, Changed};
+use crate::pyramid::{self, Changed, Plane};
 use crate::rows::PageInfo;
 use crate::{EntryId, EntryState, Error, Result, Store, codec, content};
 
@@ -20,8 +20,8 @@ pub struct Repaired {
     pub lost_commits: Option<(u64, u64)>,
     /// Pages that were made again from the history, bit for bit.
     pub pages_from_history: Vec<PageKey>,
-    /// Pages that could not be made again: they stay damaged. Painting over them whole, undoing to before them, or a copy of
-    /// the terrain may help; `salvage` saves the rest.
+    /// Pages that could not be made again: they stay damaged, and nothing can be painted there. Undoing to before them or a
+    /// copy of the terrain may help; [`Store::salvage`] makes a terrain without damage of the rest.
     pub lost_pages: Vec<PageKey>,
     /// Whether the levels above full resolution were made anew.
     pub levels_made_anew: bool,
@@ -83,10 +83,16 @@ impl Store {
                 None => repaired.lost_pages.push(*key),
             }
         }
-        // A page below a lost one keeps what it holds, so what is left of the lost ones stays to be seen from afar.
+        self.db.cache.borrow_mut().clear();
+        // Those that cannot be made again, since what is below them is lost, stay as they are: with those above them they are
+        // all that is left of it. The keys come with the finer levels first.
         for key in damaged.iter().filter(|key| key.level > 0) {
-            self.db.delete_page(key)?;
-            repaired.levels_made_anew = true;
+            let plane =
+                Plane { grid: self.grid(), layout: self.layout(), constant: self.stack.constant(key) };
+            if pyramid::made_from_scratch(&self.db, &plane, *key).is_ok() {
+                self.db.delete_page(key)?;
+                repaired.levels_made_anew = true;
+            }
         }
         self.db.cache.borrow_mut().clear();
         let mut below = Changed::new();

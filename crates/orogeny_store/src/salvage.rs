@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use orogeny_field::{FieldId, Page, PageKey};
 
-use crate::database::Database;
+use crate::database::{Database, companion, has_log};
 use crate::rows::Document;
 use crate::store::Stack;
 use crate::{Error, Field, FieldKind, Layer, NewLayer, NewTerrain, Result, Store, Transaction, content};
@@ -34,7 +34,15 @@ impl Store {
     /// `to` already, and what else [`Self::create`] may say.
     pub fn salvage(from: &Path, to: &Path) -> Result<Salvaged> {
         let mut salvaged = Salvaged::default();
-        let db = Database::open_to_read(from)?;
+        // An older version is brought up to date in a copy: the original is not changed.
+        let copy;
+        let db = match Database::open_to_read(from) {
+            Err(Error::OlderVersion { .. }) => {
+                copy = up_to_date_copy(from, to)?;
+                Database::open_to_read(&copy)?
+            }
+            opened => opened?,
+        };
         let (document, is_whole) = db.document_unchecked()?;
         if !is_whole {
             salvaged.problems.push("the row that says what terrain it is fails its checksum".to_owned());
@@ -53,6 +61,20 @@ impl Store {
         target.close()?;
         Ok(salvaged)
     }
+}
+
+/// A copy beside `to`, with its log, that goes when it is dropped.
+fn up_to_date_copy(from: &Path, to: &Path) -> Result<tempfile::TempPath> {
+    let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let failed = |err: std::io::Error| Error::from_io(to, &err);
+    let copy = tempfile::NamedTempFile::new_in(folder).map_err(failed)?.into_temp_path();
+    std::fs::copy(from, &copy).map_err(failed)?;
+    let log = companion(&copy, "-wal");
+    if has_log(from) {
+        std::fs::copy(companion(from, "-wal"), &log).map_err(failed)?;
+    }
+    Store::open(&copy)?.close()?;
+    Ok(copy)
 }
 
 fn copy_layer(

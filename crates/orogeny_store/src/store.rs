@@ -38,6 +38,8 @@ pub struct Store {
     pub(crate) stack: Stack,
     /// What the disk said when it failed in mid-commit.
     disk_failure: Option<String>,
+    /// The version of the file before it was opened, where that was an older one.
+    upgraded_from: Option<i32>,
     pub(crate) clock: fn() -> SystemTime,
 }
 
@@ -112,7 +114,9 @@ impl Store {
             upgrade::from_version_1(&db)?;
         }
         let (document, stack) = db.in_snapshot(|| Ok((db.document()?, Stack::load(&db)?)))?;
-        Ok((Self::writer(db, head, document, stack), acknowledged))
+        let mut store = Self::writer(db, head, document, stack);
+        store.upgraded_from = (version < format::FORMAT_VERSION).then_some(version);
+        Ok((store, acknowledged))
     }
 
     /// Opens a terrain file for reading, beside a writer or not. Nothing of it is changed.
@@ -135,11 +139,15 @@ impl Store {
     }
 
     pub(crate) fn reader(db: Database, document: Document, stack: Stack) -> Self {
-        Self { db, head: None, document, stack, disk_failure: None, clock: SystemTime::now }
+        Self::of(db, None, document, stack)
     }
 
     fn writer(db: Database, head: Head, document: Document, stack: Stack) -> Self {
-        Self { db, head: Some(head), document, stack, disk_failure: None, clock: SystemTime::now }
+        Self::of(db, Some(head), document, stack)
+    }
+
+    fn of(db: Database, head: Option<Head>, document: Document, stack: Stack) -> Self {
+        Self { db, head, document, stack, disk_failure: None, upgraded_from: None, clock: SystemTime::now }
     }
 
     /// Moves everything into the one file and closes it: nothing remains beside it, unless someone else has the terrain
@@ -174,6 +182,12 @@ impl Store {
     #[must_use]
     pub const fn layout(&self) -> PageLayout {
         self.document.layout
+    }
+
+    /// The version that the file had before this opening brought it up to date; `None` where there was nothing to do.
+    #[must_use]
+    pub const fn upgraded_from(&self) -> Option<i32> {
+        self.upgraded_from
     }
 
     /// How many commits the terrain has seen.

@@ -1,5 +1,7 @@
 //! Files of older versions, brought up to date when they are opened for writing: all of it in one transaction, or nothing.
 //!
+//! A damaged page stays one: it is refused by name, and can be repaired as any other.
+//!
 //! Version 1 had no levels above full resolution, no bounds of pages, no data from outside and no budget of the history.
 
 use orogeny_field::{FieldId, HeightBounds, PageKey, PageLayout, TerrainGrid};
@@ -114,12 +116,14 @@ fn pages(db: &Database, document: &Document) -> Result<Changed> {
     for key in &keys {
         let (row, data, checksum) = page(db, key)?;
         let hasher = RowHasher::new("page").place(key).number(row.info.revision.0.into());
-        if hasher.number(row.codec.into()).bytes(&row.bytes).finish() != checksum {
-            return Err(Error::damaged_page(*key, "it fails its checksum"));
+        let is_whole = hasher.number(row.codec.into()).bytes(&row.bytes).finish() == checksum;
+        match content::decode_page(layout, &row) {
+            Ok(content) if is_whole => {
+                let bounds = content::bounds_of(&grid, layout, key, &content.page);
+                db.insert_page_info(&PageRow { info: PageInfo { bounds, ..row.info }, ..row }, data)?;
+            }
+            _ => db.insert_damaged_page_info(&row, data)?,
         }
-        let content = content::decode_page(layout, &row)?;
-        let bounds = content::bounds_of(&grid, layout, key, &content.page);
-        db.insert_page_info(&PageRow { info: PageInfo { bounds, ..row.info }, ..row }, data)?;
     }
     let bounds = grid.bounds();
     Ok(keys.into_iter().map(|key| (key, layout.page_rect(&key).intersection(&bounds))).collect())

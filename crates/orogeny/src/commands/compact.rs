@@ -9,7 +9,7 @@ use indicatif::HumanBytes;
 use orogeny_engine::Dropped;
 use serde::Serialize;
 
-use crate::output::{count, dropped_line, text_of, write_notices};
+use crate::output::{dropped_line, text_of, write_notices};
 use crate::session::Session;
 use crate::values::{self, HistoryBudget};
 
@@ -66,10 +66,8 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write_notices(f, dropped_line(&self.dropped).as_slice())?;
-        if !self.dropped_branches.entries.is_empty() {
-            let entries = count(self.dropped_branches.entries.len() as u64, "operation");
-            writeln!(f, "note: {entries} that had been left behind went from the history")?;
+        for dropped in [&self.dropped_branches, &self.dropped] {
+            write_notices(f, dropped_line(dropped).as_slice())?;
         }
         let Self { terrain, before_in_bytes, after_in_bytes, elapsed_s, .. } = self;
         let (before, after) = (HumanBytes(*before_in_bytes), HumanBytes(*after_in_bytes));

@@ -23,6 +23,8 @@ pub struct Arguments {
 #[derive(Debug, Serialize)]
 struct Report {
     terrain: String,
+    /// The last entry that showed when it was dropped; 0: none was.
+    dropped_up_to: EntryId,
     entries: Vec<ReportedEntry>,
 }
 
@@ -45,8 +47,9 @@ struct ReportedEntry {
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let terrain = session.open_to_read(&arguments.terrain)?;
     let entries = terrain.log()?.into_iter().map(reported).collect::<Result<_, _>>()?;
+    let dropped_up_to = terrain.describe()?.history.dropped_up_to;
     terrain.close()?;
-    session.output().report(&Report { terrain: text_of(&arguments.terrain), entries })
+    session.output().report(&Report { terrain: text_of(&arguments.terrain), dropped_up_to, entries })
 }
 
 fn reported(entry: Entry) -> serde_json::Result<ReportedEntry> {
@@ -64,7 +67,9 @@ fn reported(entry: Entry) -> serde_json::Result<ReportedEntry> {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.entries.is_empty() {
+        if self.dropped_up_to != EntryId(0) {
+            writeln!(f, "{}: what was done up to entry {} went from the history", self.terrain, self.dropped_up_to)?;
+        } else if self.entries.is_empty() {
             return writeln!(f, "{}: nothing was done yet", self.terrain);
         }
         for entry in &self.entries {

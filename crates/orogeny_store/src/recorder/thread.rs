@@ -121,10 +121,7 @@ fn commit(transaction: Option<Transaction<'_>>, last_number: u64, shared: &Share
         state.num_commits_under_way -= 1;
         state.forget_up_to(last_number);
         match result {
-            Some(Ok(committed)) => {
-                state.dropped.entries.extend(committed.dropped.entries);
-                state.dropped.size_in_bytes += committed.dropped.size_in_bytes;
-            }
+            Some(Ok(committed)) => state.dropped.extend(committed.dropped),
             Some(Err(err)) => state.fail(err),
             // What went wrong is known already.
             None => {}

@@ -209,6 +209,16 @@ impl Database {
         self.write_page_info(page, data).map_err(|err| self.fault(err))
     }
 
+    /// As [`Self::insert_page_info`], for a page that is damaged and is to stay so: with a checksum that nothing has.
+    pub(crate) fn insert_damaged_page_info(&self, page: &PageRow, data: i64) -> Result<()> {
+        self.insert_page_info(page, data)?;
+        let key = &page.key;
+        self.statement("UPDATE page SET checksum = zeroblob(16) WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
+            .and_then(|mut statement| statement.execute(params![key.field.0, key.level, key.z, key.x]))
+            .map_err(|err| self.fault(err))?;
+        Ok(())
+    }
+
     fn write_page_info(&self, page: &PageRow, data: i64) -> rusqlite::Result<()> {
         let PageRow { key, info: PageInfo { revision, bounds }, codec, bytes } = page;
         let checksum = checksum::of_page(key, *revision, bounds, *codec, bytes);

@@ -140,6 +140,48 @@ fn without_its_history_a_page_is_lost_and_shown_from_afar() {
     assert_whole(&saved);
 }
 
+/// A lost page under a damaged one: what is left of both is two levels up, and stays there.
+#[test]
+fn repair_never_takes_what_is_left_of_a_lost_page() {
+    let scratch = Scratch::new();
+    let (at, _) = painted(&scratch);
+    let mut store = Store::open(&scratch.path()).unwrap();
+    store.set_history_budget(Some(0)).unwrap();
+    store.close().unwrap();
+    damage(&scratch, &at);
+    damage(&scratch, &at.parent());
+    let store = Store::open_to_read(&scratch.path()).unwrap();
+    let (shown, level) = store.load_page_or_coarser(&at).unwrap();
+    let shown = shown.unwrap();
+    assert_eq!(level, 2);
+    drop(store);
+    for round in 0..2 {
+        let repaired = Store::repair(&scratch.path()).unwrap();
+        assert_eq!(repaired, Repaired { lost_pages: vec![at], ..Repaired::default() });
+        // Painting beside it takes nothing either.
+        let mut store = Store::open(&scratch.path()).unwrap();
+        let beside = PageKey { z: at.z - 1, ..at };
+        commit(&mut store, &[(beside, page(90 + round))]);
+        let (still_shown, level) = store.load_page_or_coarser(&at).unwrap();
+        assert_eq!(level, 2);
+        // Two rows of it are made of what was painted beside it.
+        let interior = |page: &Page| page.row(32, 8, 56).unwrap().to_vec();
+        assert_eq!(interior(&still_shown.unwrap()), interior(&shown));
+        let damaged: Vec<_> = store
+            .check()
+            .unwrap()
+            .problems
+            .into_iter()
+            .map(|problem| match problem {
+                Error::DamagedPage { key, .. } => key,
+                other => panic!("{other}"),
+            })
+            .collect();
+        assert_eq!(damaged, [at, at.parent()]);
+        store.close().unwrap();
+    }
+}
+
 #[test]
 fn what_is_left_of_a_badly_damaged_terrain_is_saved_layer_by_layer() {
     let scratch = Scratch::new();
