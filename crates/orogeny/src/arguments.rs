@@ -5,7 +5,8 @@ use std::num::NonZeroUsize;
 use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
-    apply, brushes, check, compact, demo, doctor, export, import, info, jump, log, new, redo, render, replay, salvage, undo,
+    apply, brushes, check, compact, demo, doctor, export, import, info, jump, log, new, redo, render, replay,
+    salvage, undo,
 };
 
 /// A GPU brush engine for heightfields: make, import, brush, undo, draw and export terrains.

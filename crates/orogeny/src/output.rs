@@ -98,7 +98,9 @@ pub fn dropped_line(dropped: &Dropped) -> Option<String> {
     let what = match dropped.entries.len() as u64 - num_applied {
         0 => "they stay done, and can no longer be undone".to_owned(),
         number if num_applied == 0 => format!("{number} undone, gone for good"),
-        number => format!("{num_applied} stay done and can no longer be undone, {number} undone are gone for good"),
+        number => {
+            format!("{num_applied} stay done and can no longer be undone, {number} undone are gone for good")
+        }
     };
     Some(format!("{entries} from {first} to {last} ({size}) went from the history: {what}"))
 }

@@ -110,7 +110,8 @@ impl Terrain {
         }
         let author = self.settings().author.clone();
         let (recorder, executor) = self.recorder_and_executor()?;
-        let site = Site { grid: recorder.on_disk()?.grid(), layout: recorder.on_disk()?.layout(), author: &author };
+        let site =
+            Site { grid: recorder.on_disk()?.grid(), layout: recorder.on_disk()?.layout(), author: &author };
         let result = recorder.begin().map_err(Error::from).and_then(|mut recording| {
             let applied = apply_all(operations, &site, &mut recording, executor, observer)?;
             if after == After::Commit {
@@ -239,8 +240,8 @@ fn run_batch(
 mod tests {
     use super::*;
     use crate::{Adapter, Quiet, Settings};
-    use orogeny_field::PageKey;
     use orogeny_brush::PageMemory;
+    use orogeny_field::PageKey;
     use orogeny_pages::PageStore;
 
     /// An executor whose GPU fails with the first batch.

@@ -79,8 +79,7 @@ pub(crate) fn executor(settings: &Settings, layout: PageLayout) -> Result<Box<dy
         Ok(Box::new(CpuExecutor::new(layout, budget_in_bytes, settings.num_threads)?))
     };
     let gpu = |choice: AdapterChoice| -> Result<Box<dyn Executor>> {
-        let budget =
-            GpuBudget { budget_in_bytes, layers_per_array: LAYERS_PER_ARRAY };
+        let budget = GpuBudget { budget_in_bytes, layers_per_array: LAYERS_PER_ARRAY };
         Ok(Box::new(GpuExecutor::new(Gpu::open(&choice)?, layout, budget)?))
     };
     match &settings.adapter {

@@ -137,7 +137,14 @@ impl<'a> Composite<'a> {
     }
 
     /// Adds a layer's page to the band.
-    fn add(&mut self, place: usize, layer: &Layer, key: &PageKey, page: Option<&Arc<Page>>, band: &SampleRect) {
+    fn add(
+        &mut self,
+        place: usize,
+        layer: &Layer,
+        key: &PageKey,
+        page: Option<&Arc<Page>>,
+        band: &SampleRect,
+    ) {
         let page_rect = self.store.layout().page_rect(key);
         let part = page_rect.intersection(band);
         let width = band.width() as usize;

@@ -51,7 +51,8 @@ pub use orogeny_formats::{
 };
 pub use orogeny_gpu::{AdapterDescription, list_adapters};
 pub use orogeny_store::{
-    Change, CheckReport, Direction as HistoryDirection, Dropped, Entry, EntryId, EntryState, HistorySummary, Layer, Repaired, Salvaged,
+    Change, CheckReport, Direction as HistoryDirection, Dropped, Entry, EntryId, EntryState, HistorySummary,
+    Layer, Repaired, Salvaged,
 };
 pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;

@@ -151,7 +151,9 @@ impl Terrain {
         let counts = |start: i32, end: i32, first: i32, num_pixels: usize| {
             let mut counts = vec![0_u32; num_pixels];
             for place in start..end {
-                if let Some(count) = counts.get_mut(((place << level).abs_diff(first) / samples_per_px) as usize) {
+                if let Some(count) =
+                    counts.get_mut(((place << level).abs_diff(first) / samples_per_px) as usize)
+                {
                     *count += 1;
                 }
             }

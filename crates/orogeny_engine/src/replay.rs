@@ -41,7 +41,8 @@ impl Terrain {
                 .map(|layer| NewLayer { name: layer.name.clone(), constant_m: layer.constant_m })
                 .collect(),
         };
-        let mut copy = Self::of(Access::writing(Store::create(to, &new)?, settings.page_budget_in_bytes)?, settings)?;
+        let mut copy =
+            Self::of(Access::writing(Store::create(to, &new)?, settings.page_budget_in_bytes)?, settings)?;
         let done = copy.replay_log(store, observer);
         match done {
             Ok(replayed) => {
@@ -103,7 +104,8 @@ impl Terrain {
         observer: &mut dyn Observer,
     ) -> Result<()> {
         let cannot = |detail: String| Error::CannotReplay { entry: entry.id.0, detail };
-        let hash = BlobHash::from_hex(&import.blake3).ok_or_else(|| cannot("its data has no name".to_owned()))?;
+        let hash =
+            BlobHash::from_hex(&import.blake3).ok_or_else(|| cannot("its data has no name".to_owned()))?;
         let folder = tempfile::tempdir().map_err(|err| cannot(err.to_string()))?;
         // The name is only there for its ending; a folder in it has no business here.
         let name = Path::new(&import.file).file_name().unwrap_or_else(|| "data".as_ref());

@@ -6,8 +6,8 @@ use std::path::Path;
 use orogeny_brush::Executor;
 use orogeny_field::{FieldId, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_store::{
-    Change, CheckReport, Dropped, Entry, EntryId, HistorySummary, Layer, NewLayer, NewTerrain, Recorder, Repaired,
-    Salvaged, Store,
+    Change, CheckReport, Dropped, Entry, EntryId, HistorySummary, Layer, NewLayer, NewTerrain, Recorder,
+    Repaired, Salvaged, Store,
 };
 
 use crate::access::{Access, open_to_write, up_to_date};
@@ -311,9 +311,9 @@ impl Terrain {
             let keys = store.page_keys_in(layer.heights, level, &rect)?;
             places.extend(keys.into_iter().map(|key| (key.z, key.x)));
         }
-        let rects = places.into_iter().map(|(z, x)| {
-            layout.page_rect(&PageKey { field: FieldId(0), level, z, x }).intersection(&rect)
-        });
+        let rects = places
+            .into_iter()
+            .map(|(z, x)| layout.page_rect(&PageKey { field: FieldId(0), level, z, x }).intersection(&rect));
         Ok(rects.filter(|rect| !rect.is_empty()).collect())
     }
 

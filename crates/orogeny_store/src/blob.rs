@@ -88,8 +88,7 @@ impl Store {
     /// # Errors
     /// [`Error::UnknownBlob`]; [`Error::Blob`] when it is damaged or `to` does not take it.
     pub fn read_blob(&self, hash: &BlobHash, to: &mut dyn Write) -> Result<()> {
-        let blob =
-            self.db.blob(hash)?.ok_or_else(|| Error::UnknownBlob { hash: hash.to_string() })?;
+        let blob = self.db.blob(hash)?.ok_or_else(|| Error::UnknownBlob { hash: hash.to_string() })?;
         self.copy_blob(&blob, to)
     }
 
@@ -100,8 +99,7 @@ impl Store {
         let mut size = 0;
         for number in 0..blob.num_chunks {
             let bytes = self.db.blob_chunk(blob, number, CHUNK_BYTES + CHUNK_BYTES / 128 + 1024)?;
-            let chunk =
-                zstd::bulk::decompress(&bytes, CHUNK_BYTES).map_err(|err| wrong(err.to_string()))?;
+            let chunk = zstd::bulk::decompress(&bytes, CHUNK_BYTES).map_err(|err| wrong(err.to_string()))?;
             hasher.update(&chunk);
             size += chunk.len() as u64;
             to.write_all(&chunk).map_err(|err| wrong(err.to_string()))?;

@@ -98,7 +98,9 @@ impl Store {
     fn check_levels(&self, report: &mut CheckReport) -> Result<()> {
         let (grid, layout) = (self.grid(), self.layout());
         for key in self.db.pages_made_of_nothing()? {
-            report.problems.push(Error::damaged_page(key, "there is nothing below it that it could be made of"));
+            report
+                .problems
+                .push(Error::damaged_page(key, "there is nothing below it that it could be made of"));
         }
         let mut last = None;
         loop {
@@ -127,19 +129,19 @@ impl Store {
         let is_same = match (&expected, &found) {
             (None, None) => true,
             (Some(expected), Some(found)) => {
-                let rect = content::changed_rect(
-                    plane.layout,
-                    key,
-                    expected.page.samples(),
-                    found.page.samples(),
-                );
+                let rect =
+                    content::changed_rect(plane.layout, key, expected.page.samples(), found.page.samples());
                 rect == SampleRect::EMPTY
                     && expected.bounds == found.bounds
                     && expected.revision == found.revision
             }
             _ => false,
         };
-        if is_same { Ok(()) } else { Err(Error::damaged_page(*key, "it is not what the pages below it make")) }
+        if is_same {
+            Ok(())
+        } else {
+            Err(Error::damaged_page(*key, "it is not what the pages below it make"))
+        }
     }
 
     fn check_blobs(&self, report: &mut CheckReport) -> Result<()> {

@@ -75,7 +75,11 @@ pub(crate) fn page_from_ordered(layout: PageLayout, ordered: &[u32]) -> Result<P
 
 /// Pages as they are, decoded on all cores and remembered by a writer; `None` where a page is absent. A page that cannot be
 /// trusted comes as its error.
-pub(crate) fn contents(db: &Database, layout: PageLayout, keys: &[PageKey]) -> Result<Vec<Result<Option<Content>>>> {
+pub(crate) fn contents(
+    db: &Database,
+    layout: PageLayout,
+    keys: &[PageKey],
+) -> Result<Vec<Result<Option<Content>>>> {
     enum Found {
         Here(Content),
         Row(Option<PageRow>),

@@ -184,7 +184,9 @@ pub enum Error {
         detail: String,
     },
     /// The thread that makes operations durable is gone.
-    #[error("the thread that writes the terrain ended unexpectedly: open the terrain again, what was acknowledged is there")]
+    #[error(
+        "the thread that writes the terrain ended unexpectedly: open the terrain again, what was acknowledged is there"
+    )]
     WriterGone,
     /// The system could not read or write.
     #[error("reading or writing `{}` failed: {detail}", path.display())]

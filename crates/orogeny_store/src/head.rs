@@ -75,7 +75,10 @@ impl Head {
         };
         write(&mut file).map_err(|err| failed(&err))?;
         let next_slot = last.map_or(0, |(slot, _)| 1 - slot);
-        Ok((Self { file, terrain: terrain.to_owned(), next_slot, is_evidence: false }, last.map(|(_, commit)| commit)))
+        Ok((
+            Self { file, terrain: terrain.to_owned(), next_slot, is_evidence: false },
+            last.map(|(_, commit)| commit),
+        ))
     }
 
     /// What was last acknowledged, for those who only read; `None` where no writer left a record.
@@ -275,7 +278,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let terrain = folder.path().join("t.orogeny");
         let (_head, _) = Head::lock(&terrain).unwrap();
-        let Err(Error::Busy { holder: Some(holder), .. }) = Head::lock(&terrain) else { panic!("not refused") };
+        let Err(Error::Busy { holder: Some(holder), .. }) = Head::lock(&terrain) else {
+            panic!("not refused")
+        };
         assert_eq!(holder.process, std::process::id());
     }
 }

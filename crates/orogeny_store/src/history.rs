@@ -246,7 +246,10 @@ impl Store {
         }
     }
 
-    fn travel_in_transaction(&self, steps: &[(EntryId, Direction)]) -> Result<(Vec<Change>, Document, Stack)> {
+    fn travel_in_transaction(
+        &self,
+        steps: &[(EntryId, Direction)],
+    ) -> Result<(Vec<Change>, Document, Stack)> {
         let mut document = self.document.clone();
         let mut changes = Vec::with_capacity(steps.len());
         let mut changed = Changed::new();

@@ -143,10 +143,8 @@ fn gather(db: &Database, plane: &Plane, key: PageKey, rect: SampleRect) -> Resul
     };
     let level_below = key.level.saturating_sub(1);
     let read = rect_below(&rect).intersection(&grid.bounds_at(level_below));
-    let keys: Vec<_> = layout
-        .pages_in(read)
-        .map(|(x, z)| PageKey { field: key.field, level: level_below, z, x })
-        .collect();
+    let keys: Vec<_> =
+        layout.pages_in(read).map(|(x, z)| PageKey { field: key.field, level: level_below, z, x }).collect();
     let (mut below, mut is_below_damaged) = (BTreeMap::new(), false);
     for (key, content) in keys.iter().zip(content::contents(db, layout, &keys)?) {
         match content {
@@ -247,11 +245,13 @@ impl Material {
         let inside = SampleRect::new(x0, z, x0 + row.len() as i32, z + 1).intersection(&bounds);
         row.fill(constant);
         for (x, page_z) in layout.pages_in(inside) {
-            let key = PageKey { field: self.key.field, level: self.key.level.saturating_sub(1), z: page_z, x };
+            let key =
+                PageKey { field: self.key.field, level: self.key.level.saturating_sub(1), z: page_z, x };
             let rect = layout.page_rect(&key);
             let part = rect.intersection(&inside);
             let Some(content) = self.below.get(&key) else { continue };
-            let from = content.page.row(z.abs_diff(rect.z0), part.x0.abs_diff(rect.x0), part.x1.abs_diff(rect.x0));
+            let from =
+                content.page.row(z.abs_diff(rect.z0), part.x0.abs_diff(rect.x0), part.x1.abs_diff(rect.x0));
             let start = part.x0.abs_diff(x0) as usize;
             if let (Some(from), Some(to)) = (from, row.get_mut(start..start + part.width() as usize)) {
                 to.copy_from_slice(from);

@@ -99,9 +99,11 @@ impl Store {
         for field in self.stack.fields.keys() {
             let keys = self.db.page_keys(*field)?;
             let grid = self.grid();
-            below.extend(keys.into_iter().filter(|key| key.level == 0).map(|key| {
-                (key, self.layout().page_rect(&key).intersection(&grid.bounds()))
-            }));
+            below.extend(
+                keys.into_iter()
+                    .filter(|key| key.level == 0)
+                    .map(|key| (key, self.layout().page_rect(&key).intersection(&grid.bounds()))),
+            );
         }
         if repaired.levels_made_anew || !repaired.pages_from_history.is_empty() {
             let constant = |key: &PageKey| self.stack.constant(key);

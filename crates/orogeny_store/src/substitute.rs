@@ -22,7 +22,9 @@ impl Store {
         while above.level <= self.layout().top_level(&self.grid()) {
             match self.load_page(&above) {
                 // It covers a page that is there, so it is there, or was lost.
-                Ok(Some(page)) => return Ok((Some(Arc::new(self.stretched(key, &above, &page))), above.level)),
+                Ok(Some(page)) => {
+                    return Ok((Some(Arc::new(self.stretched(key, &above, &page))), above.level));
+                }
                 Ok(None) | Err(Error::DamagedPage { .. }) => above = above.parent(),
                 Err(err) => return Err(err),
             }

@@ -45,9 +45,11 @@ pub(crate) fn from_version_1(db: &Database) -> Result<()> {
 /// The tables and indexes of this version that are not there.
 fn create_missing_tables(db: &Database) -> Result<()> {
     for statement in format::SCHEMA.split(';').filter(|statement| !statement.trim().is_empty()) {
-        let missing = statement
-            .replacen("CREATE TABLE", "CREATE TABLE IF NOT EXISTS", 1)
-            .replacen("CREATE INDEX", "CREATE INDEX IF NOT EXISTS", 1);
+        let missing = statement.replacen("CREATE TABLE", "CREATE TABLE IF NOT EXISTS", 1).replacen(
+            "CREATE INDEX",
+            "CREATE INDEX IF NOT EXISTS",
+            1,
+        );
         db.run(&missing)?;
     }
     Ok(())
@@ -108,7 +110,12 @@ fn pages(db: &Database, document: &Document) -> Result<Changed> {
         .statement("SELECT field, level, z, x FROM page_1 WHERE level = 0 ORDER BY field, z, x")
         .and_then(|mut statement| {
             let key = |row: &rusqlite::Row<'_>| {
-                Ok(PageKey { field: FieldId(row.get(0)?), level: row.get(1)?, z: row.get(2)?, x: row.get(3)? })
+                Ok(PageKey {
+                    field: FieldId(row.get(0)?),
+                    level: row.get(1)?,
+                    z: row.get(2)?,
+                    x: row.get(3)?,
+                })
             };
             statement.query_map([], key)?.collect()
         })

@@ -62,7 +62,8 @@ fn openings(report: &mut Report, folder: &TempDir, repeat: usize) -> Result<()> 
     for number in 0..u32::try_from(repeat)? {
         for (side, [_, openings, first_strokes]) in SIDES.into_iter().zip(&mut times) {
             let mut terrain = openings.measure(|| Terrain::open(&path(side), settings()))?;
-            first_strokes.measure(|| terrain.apply(&[stroke(side, number)?], &mut Quiet).context("a stroke"))?;
+            first_strokes
+                .measure(|| terrain.apply(&[stroke(side, number)?], &mut Quiet).context("a stroke"))?;
             terrain.close()?;
         }
     }
@@ -102,9 +103,14 @@ fn long_history(report: &mut Report, folder: &TempDir) -> Result<()> {
             undone.measure(|| terrain.undo(1))?;
         }
         terrain.redo(NUM_COMPARED / 10)?;
-        report.add(Figure::time(format!("stroke, painted, {name} {NUM_COMPARED} of {NUM_STROKES}"), &painted));
-        report.add(Figure::time(format!("stroke, on disk, {name} {NUM_COMPARED} of {NUM_STROKES}"), &on_disk));
-        report.add(Figure::time(format!("undo, on disk, {name} {} of {NUM_STROKES}", NUM_COMPARED / 10), &undone));
+        report
+            .add(Figure::time(format!("stroke, painted, {name} {NUM_COMPARED} of {NUM_STROKES}"), &painted));
+        report
+            .add(Figure::time(format!("stroke, on disk, {name} {NUM_COMPARED} of {NUM_STROKES}"), &on_disk));
+        report.add(Figure::time(
+            format!("undo, on disk, {name} {} of {NUM_STROKES}", NUM_COMPARED / 10),
+            &undone,
+        ));
     }
     terrain.close()?;
     Ok(())
@@ -121,7 +127,12 @@ fn commits(report: &mut Report, folder: &TempDir) -> Result<()> {
         let mut times = Times::default();
         for round in 0..NUM_COMMITS {
             let pages: Vec<_> = (0..num_pages)
-                .map(|place| (PageKey::full_resolution(field, place % side, place / side), ground(layout, place, round)))
+                .map(|place| {
+                    (
+                        PageKey::full_resolution(field, place % side, place / side),
+                        ground(layout, place, round),
+                    )
+                })
                 .collect();
             times.measure(|| {
                 let mut transaction = store.begin()?;

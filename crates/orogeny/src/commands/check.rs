@@ -69,7 +69,10 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
 fn lines_of(repaired: &Repaired) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some((found, acknowledged)) = repaired.lost_commits {
-        lines.push(format!("commits {} to {acknowledged} are lost; it goes on from commit {found}", found + 1));
+        lines.push(format!(
+            "commits {} to {acknowledged} are lost; it goes on from commit {found}",
+            found + 1
+        ));
     }
     for key in &repaired.pages_from_history {
         lines.push(format!(

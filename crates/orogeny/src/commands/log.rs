@@ -68,7 +68,11 @@ fn reported(entry: Entry) -> serde_json::Result<ReportedEntry> {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.dropped_up_to != EntryId(0) {
-            writeln!(f, "{}: what was done up to entry {} went from the history", self.terrain, self.dropped_up_to)?;
+            writeln!(
+                f,
+                "{}: what was done up to entry {} went from the history",
+                self.terrain, self.dropped_up_to
+            )?;
         } else if self.entries.is_empty() {
             return writeln!(f, "{}: nothing was done yet", self.terrain);
         }

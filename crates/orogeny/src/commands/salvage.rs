@@ -53,9 +53,13 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
 }
 
 fn notices(salvaged: &Salvaged) -> Vec<String> {
-    let place = |key: &orogeny_engine::PageKey| format!("the page at column {} row {} of field {}", key.x, key.z, key.field.0);
-    let from_history =
-        salvaged.pages_from_history.iter().map(|key| format!("{} was made again from the history", place(key)));
+    let place = |key: &orogeny_engine::PageKey| {
+        format!("the page at column {} row {} of field {}", key.x, key.z, key.field.0)
+    };
+    let from_history = salvaged
+        .pages_from_history
+        .iter()
+        .map(|key| format!("{} was made again from the history", place(key)));
     let from_coarser = salvaged
         .pages_from_coarser_levels
         .iter()

@@ -61,7 +61,9 @@ fn serve(mut store: Store, tasks: &Receiver<Task>, gone: &Gone) -> Result<()> {
             Task::WithStore(work) => work(&mut store),
             // Of a transaction that is not there: nothing is left of it to be done.
             Task::Write { .. } | Task::WithTransaction(_) | Task::Record { .. } => {}
-            Task::Commit { last_number } | Task::Abort { last_number } => gone.0.change(|state| state.forget_up_to(last_number)),
+            Task::Commit { last_number } | Task::Abort { last_number } => {
+                gone.0.change(|state| state.forget_up_to(last_number))
+            }
         }
         let cached_bytes = store.cached_bytes();
         gone.0.change(|state| state.cached_bytes = cached_bytes);
@@ -81,7 +83,8 @@ fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared)
     while let Ok(task) = tasks.recv() {
         let result = match (task, &mut transaction) {
             (Task::Write { number, pages }, transaction) => {
-                let written = transaction.as_mut().map_or(Ok(()), |transaction| transaction.write_pages(&pages));
+                let written =
+                    transaction.as_mut().map_or(Ok(()), |transaction| transaction.write_pages(&pages));
                 shared.change(|state| state.pages_written(number, &pages));
                 written
             }

@@ -99,7 +99,10 @@ impl Database {
             if blob.checksum().as_slice() == checksum {
                 Ok(blob)
             } else {
-                Err(Error::Blob { hash: hash.to_string(), detail: "its record fails its checksum".to_owned() })
+                Err(Error::Blob {
+                    hash: hash.to_string(),
+                    detail: "its record fails its checksum".to_owned(),
+                })
             }
         });
         Ok(checked.collect())

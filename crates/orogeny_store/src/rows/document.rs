@@ -200,10 +200,9 @@ impl Database {
     pub(crate) fn document(&self) -> Result<Document> {
         match self.document_unchecked()? {
             (document, true) => Ok(document),
-            (_, false) => Err(Error::damaged(
-                self.path(),
-                "the row that says what terrain it is fails its checksum",
-            )),
+            (_, false) => {
+                Err(Error::damaged(self.path(), "the row that says what terrain it is fails its checksum"))
+            }
         }
     }
 

@@ -138,22 +138,23 @@ impl Database {
 
     pub(crate) fn entry(&self, id: EntryId) -> Result<EntryRow> {
         self.statement(
-                "SELECT id, parent, operation, author, time_unix_ms, num_pages, delta_bytes, checksum
+            "SELECT id, parent, operation, author, time_unix_ms, num_pages, delta_bytes, checksum
                  FROM entry WHERE id = ?1",
-            )
-            .and_then(|mut statement| statement.query_row([id.0], EntryRow::from_row).optional())
-            .map_err(|err| self.fault(err))?
-            .ok_or_else(|| Error::DamagedHistory {
-                entry: id,
-                page: None,
-                detail: "its record is missing".to_owned(),
-            })
-            .and_then(EntryRow::checked)
+        )
+        .and_then(|mut statement| statement.query_row([id.0], EntryRow::from_row).optional())
+        .map_err(|err| self.fault(err))?
+        .ok_or_else(|| Error::DamagedHistory {
+            entry: id,
+            page: None,
+            detail: "its record is missing".to_owned(),
+        })
+        .and_then(EntryRow::checked)
     }
 
     /// Calls `visit` with each entry, oldest first, entry 0 included. One that fails its checksum comes as the error.
     pub(crate) fn for_each_entry(&self, mut visit: impl FnMut(Result<EntryRow>) -> Result<()>) -> Result<()> {
-        let mut statement = self.statement(
+        let mut statement = self
+            .statement(
                 "SELECT id, parent, operation, author, time_unix_ms, num_pages, delta_bytes, checksum
                  FROM entry ORDER BY id",
             )
@@ -201,7 +202,8 @@ impl Database {
                 .map_err(|err| self.fault(err))
         };
         let deltas = count("SELECT coalesce(sum(length(bytes)), 0) FROM delta WHERE entry = ?1")?;
-        let operation = count("SELECT coalesce(sum(length(CAST(operation AS BLOB))), 0) FROM entry WHERE id = ?1")?;
+        let operation =
+            count("SELECT coalesce(sum(length(CAST(operation AS BLOB))), 0) FROM entry WHERE id = ?1")?;
         let blobs = count(
             "SELECT coalesce(sum(length(bytes)), 0) FROM blob_chunk WHERE blob IN
              (SELECT blob FROM entry_blob AS mine WHERE entry = ?1 AND NOT EXISTS
@@ -262,12 +264,14 @@ impl Database {
     }
 
     pub(crate) fn insert_layer_change(&self, entry: EntryId, change: &LayerChange) -> Result<()> {
-        self.statement("INSERT INTO layer_change (entry, layer, before, after, checksum) VALUES (?1, ?2, ?3, ?4, ?5)")
-            .and_then(|mut statement| {
-                let checksum = change.checksum(entry);
-                statement.execute(params![entry.0, change.layer, change.before, change.after, checksum])
-            })
-            .map_err(|err| self.fault(err))?;
+        self.statement(
+            "INSERT INTO layer_change (entry, layer, before, after, checksum) VALUES (?1, ?2, ?3, ?4, ?5)",
+        )
+        .and_then(|mut statement| {
+            let checksum = change.checksum(entry);
+            statement.execute(params![entry.0, change.layer, change.before, change.after, checksum])
+        })
+        .map_err(|err| self.fault(err))?;
         Ok(())
     }
 
@@ -280,7 +284,8 @@ impl Database {
     }
 
     pub(crate) fn layer_changes(&self, entry: EntryId) -> Result<Vec<LayerChange>> {
-        let rows: Vec<(LayerChange, Checksum)> = self.statement(
+        let rows: Vec<(LayerChange, Checksum)> = self
+            .statement(
                 "SELECT layer, before, after, checksum FROM layer_change WHERE entry = ?1 ORDER BY layer",
             )
             .and_then(|mut statement| {

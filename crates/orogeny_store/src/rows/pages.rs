@@ -98,18 +98,20 @@ impl Database {
 
     /// What the directory says of a page, without reading the page; `None` where there is none.
     pub(crate) fn page_info(&self, key: &PageKey) -> Result<Option<PageInfo>> {
-        self.statement("SELECT revision, min_m, max_m FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
-            .and_then(|mut statement| {
-                statement
-                    .query_row(params![key.field.0, key.level, key.z, key.x], |row| {
-                        Ok(PageInfo {
-                            revision: EntryId(row.get(0)?),
-                            bounds: HeightBounds { min_m: row.get(1)?, max_m: row.get(2)? },
-                        })
+        self.statement(
+            "SELECT revision, min_m, max_m FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4",
+        )
+        .and_then(|mut statement| {
+            statement
+                .query_row(params![key.field.0, key.level, key.z, key.x], |row| {
+                    Ok(PageInfo {
+                        revision: EntryId(row.get(0)?),
+                        bounds: HeightBounds { min_m: row.get(1)?, max_m: row.get(2)? },
                     })
-                    .optional()
-            })
-            .map_err(|err| self.fault(err))
+                })
+                .optional()
+        })
+        .map_err(|err| self.fault(err))
     }
 
     /// How many pages a field has at full resolution.
@@ -173,14 +175,14 @@ impl Database {
         let (field, level, z, x) =
             last.map_or((-1, -1, -1, -1), |k| (k.field.0.into(), k.level.into(), k.z.into(), k.x.into()));
         self.statement(
-                "SELECT field, level, z, x FROM page WHERE (field, level, z, x) > (?1, ?2, ?3, ?4)
+            "SELECT field, level, z, x FROM page WHERE (field, level, z, x) > (?1, ?2, ?3, ?4)
                  ORDER BY field, level, z, x LIMIT ?5",
-            )
-            .and_then(|mut statement| {
-                let columns: [i64; 5] = [field, level, z, x, limit.into()];
-                statement.query_map(columns, |row| key_from_row(row, 0))?.collect()
-            })
-            .map_err(|err| self.fault(err))
+        )
+        .and_then(|mut statement| {
+            let columns: [i64; 5] = [field, level, z, x, limit.into()];
+            statement.query_map(columns, |row| key_from_row(row, 0))?.collect()
+        })
+        .map_err(|err| self.fault(err))
     }
 
     /// Writes a page, new or not.
@@ -196,7 +198,8 @@ impl Database {
             .query_row(params![key.field.0, key.level, key.z, key.x], |row| row.get(0))
             .optional()?;
         let data = if let Some(data) = old_data {
-            self.statement("UPDATE page_data SET bytes = ?2 WHERE id = ?1")?.execute(params![data, page.bytes])?;
+            self.statement("UPDATE page_data SET bytes = ?2 WHERE id = ?1")?
+                .execute(params![data, page.bytes])?;
             data
         } else {
             self.statement("INSERT INTO page_data (bytes) VALUES (?1)")?.insert([&page.bytes])?
@@ -213,9 +216,11 @@ impl Database {
     pub(crate) fn insert_damaged_page_info(&self, page: &PageRow, data: i64) -> Result<()> {
         self.insert_page_info(page, data)?;
         let key = &page.key;
-        self.statement("UPDATE page SET checksum = zeroblob(16) WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
-            .and_then(|mut statement| statement.execute(params![key.field.0, key.level, key.z, key.x]))
-            .map_err(|err| self.fault(err))?;
+        self.statement(
+            "UPDATE page SET checksum = zeroblob(16) WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4",
+        )
+        .and_then(|mut statement| statement.execute(params![key.field.0, key.level, key.z, key.x]))
+        .map_err(|err| self.fault(err))?;
         Ok(())
     }
 
@@ -247,15 +252,15 @@ impl Database {
     pub(crate) fn delete_page(&self, key: &PageKey) -> Result<()> {
         let place = params![key.field.0, key.level, key.z, key.x];
         self.statement(
-                "DELETE FROM page_data WHERE id =
+            "DELETE FROM page_data WHERE id =
                  (SELECT data FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4)",
-            )
-            .and_then(|mut statement| statement.execute(place))
-            .and_then(|_| {
-                self.statement("DELETE FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
-            })
-            .and_then(|mut statement| statement.execute(place))
-            .map_err(|err| self.fault(err))?;
+        )
+        .and_then(|mut statement| statement.execute(place))
+        .and_then(|_| {
+            self.statement("DELETE FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
+        })
+        .and_then(|mut statement| statement.execute(place))
+        .map_err(|err| self.fault(err))?;
         Ok(())
     }
 
@@ -264,37 +269,35 @@ impl Database {
         let DeltaRow { key, revision_before, codec, bytes } = delta;
         self.counters.wrote(bytes);
         self.statement(
-                "INSERT INTO delta (entry, field, level, z, x, revision_before, codec, checksum, bytes)
+            "INSERT INTO delta (entry, field, level, z, x, revision_before, codec, checksum, bytes)
                  VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)
                  ON CONFLICT (entry, field, level, z, x) DO UPDATE
                  SET revision_before = excluded.revision_before, codec = excluded.codec,
                      checksum = excluded.checksum, bytes = excluded.bytes",
-            )
-            .and_then(|mut statement| {
-                statement.execute(params![
-                    entry.0,
-                    key.field.0,
-                    key.level,
-                    key.z,
-                    key.x,
-                    revision_before.map(|revision| revision.0),
-                    codec,
-                    checksum::of_delta(entry, key, *revision_before, *codec, bytes),
-                    bytes,
-                ])
-            })
-            .map_err(|err| self.fault(err))?;
+        )
+        .and_then(|mut statement| {
+            statement.execute(params![
+                entry.0,
+                key.field.0,
+                key.level,
+                key.z,
+                key.x,
+                revision_before.map(|revision| revision.0),
+                codec,
+                checksum::of_delta(entry, key, *revision_before, *codec, bytes),
+                bytes,
+            ])
+        })
+        .map_err(|err| self.fault(err))?;
         Ok(())
     }
 
     pub(crate) fn delete_delta(&self, entry: EntryId, key: &PageKey) -> Result<()> {
         self.statement(
-                "DELETE FROM delta WHERE entry = ?1 AND field = ?2 AND level = ?3 AND z = ?4 AND x = ?5",
-            )
-            .and_then(|mut statement| {
-                statement.execute(params![entry.0, key.field.0, key.level, key.z, key.x])
-            })
-            .map_err(|err| self.fault(err))?;
+            "DELETE FROM delta WHERE entry = ?1 AND field = ?2 AND level = ?3 AND z = ?4 AND x = ?5",
+        )
+        .and_then(|mut statement| statement.execute(params![entry.0, key.field.0, key.level, key.z, key.x]))
+        .map_err(|err| self.fault(err))?;
         Ok(())
     }
 
@@ -332,9 +335,7 @@ impl Database {
 
     /// The pages that `entry` changed, in the order of their keys.
     pub(crate) fn delta_keys(&self, entry: EntryId) -> Result<Vec<PageKey>> {
-        self.statement(
-                "SELECT field, level, z, x FROM delta WHERE entry = ?1 ORDER BY field, level, z, x",
-            )
+        self.statement("SELECT field, level, z, x FROM delta WHERE entry = ?1 ORDER BY field, level, z, x")
             .and_then(|mut statement| statement.query_map([entry.0], |row| key_from_row(row, 0))?.collect())
             .map_err(|err| self.fault(err))
     }
@@ -379,7 +380,8 @@ impl Database {
                  )
                  {left} EXCEPT {right} LIMIT 1000"
             );
-            let keys: Vec<PageKey> = self.statement(&sql)
+            let keys: Vec<PageKey> = self
+                .statement(&sql)
                 .and_then(|mut statement| statement.query_map([], |row| key_from_row(row, 0))?.collect())
                 .map_err(|err| self.fault(err))?;
             found.extend(keys.into_iter().map(|key| (key, is_in_directory)));

@@ -107,7 +107,10 @@ fn damaged_data_is_named() {
         rusqlite::Connection::open(scratch.path()).unwrap().execute_batch(sql).unwrap();
         let store = Store::open_to_read(&scratch.path()).unwrap();
         let err = store.read_blob(&hash, &mut Vec::new()).unwrap_err();
-        assert!(matches!(err, Error::Blob { .. }) && err.to_string().contains(&hash.to_string()), "{sql}: {err}");
+        assert!(
+            matches!(err, Error::Blob { .. }) && err.to_string().contains(&hash.to_string()),
+            "{sql}: {err}"
+        );
         let problems = store.check().unwrap().problems;
         assert!(problems.iter().any(|problem| matches!(problem, Error::Blob { .. })), "{sql}: {problems:?}");
     }

@@ -40,7 +40,10 @@ fn what_is_over_the_budget_goes_oldest_first_and_what_is_kept_can_be_undone() {
     assert_eq!(ids(&dropped.entries), (1..=num_dropped).collect::<Vec<_>>());
     assert_eq!(kept(&store), (num_dropped + 1..=12).collect::<Vec<_>>());
     let summary = store.history_summary().unwrap();
-    assert_eq!((summary.size_in_bytes, summary.budget_in_bytes), (all - dropped.size_in_bytes, Some(all / 2)));
+    assert_eq!(
+        (summary.size_in_bytes, summary.budget_in_bytes),
+        (all - dropped.size_in_bytes, Some(all / 2))
+    );
     assert_eq!((contents(&store, field), store.layers()), (shown.clone(), &*layers));
     assert_whole(&store);
     // As far as the history goes back, and on again; the layer was made before that.

@@ -55,7 +55,8 @@ fn what_is_left_behind_stays_in_the_log_as_a_branch() {
     let summary = store.history_summary().unwrap();
     let taken = |entry: &orogeny_store::Entry| entry.delta_bytes + entry.operation_json.len() as u64;
     let size_in_bytes = store.log().unwrap().iter().map(taken).sum();
-    let expected = HistorySummary { size_in_bytes, num_undone: 3, num_branch: 2, ..HistorySummary::default() };
+    let expected =
+        HistorySummary { size_in_bytes, num_undone: 3, num_branch: 2, ..HistorySummary::default() };
     assert_eq!(summary, expected);
     assert_eq!(store.redo(9).unwrap().len(), 3);
     assert_eq!(bits(&store.load_page(&key).unwrap().unwrap()), bits(&page(5)));

@@ -26,7 +26,10 @@ fn what_is_on_its_way_is_seen_and_arrives_in_order() {
     let (mut recorder, at) = recorder(&scratch, AMPLE_BYTES);
     for seed in 1..=20 {
         let mut recording = recorder.begin().unwrap();
-        assert_eq!(recording.load_page(&at).unwrap().map(|page| bits(&page)), (seed > 1).then(|| bits(&page(seed - 1))));
+        assert_eq!(
+            recording.load_page(&at).unwrap().map(|page| bits(&page)),
+            (seed > 1).then(|| bits(&page(seed - 1)))
+        );
         recording.write_pages(vec![(at, page(1000 + seed))]).unwrap();
         recording.write_pages(vec![(at, page(seed)), (PageKey { x: 2, ..at }, page(seed + 50))]).unwrap();
         assert_eq!(bits(&recording.load_page(&at).unwrap().unwrap()), bits(&page(seed)));
@@ -39,7 +42,10 @@ fn what_is_on_its_way_is_seen_and_arrives_in_order() {
     }
     recorder.flush().unwrap();
     let log = recorder.on_disk().unwrap().log().unwrap();
-    assert_eq!(log.iter().map(|entry| entry.operation_json.clone()).collect::<Vec<_>>(), (1..=20).map(|seed| format!("{{\"seed\": {seed}}}")).collect::<Vec<_>>());
+    assert_eq!(
+        log.iter().map(|entry| entry.operation_json.clone()).collect::<Vec<_>>(),
+        (1..=20).map(|seed| format!("{{\"seed\": {seed}}}")).collect::<Vec<_>>()
+    );
     assert_eq!(bits(&recorder.on_disk().unwrap().load_page(&at).unwrap().unwrap()), bits(&page(20)));
     assert_eq!(recorder.undo(5).unwrap().len(), 5);
     assert_eq!(read(&recorder, &at), Some(bits(&page(15))));
@@ -209,6 +215,10 @@ fn what_is_counted_is_what_is_on_its_way() {
     recorder.flush().unwrap();
     recorder.with_store(|_| Ok(())).unwrap();
     // What was on its way has arrived; the store remembers the page and those above it.
-    assert!((page_bytes..=8 * page_bytes).contains(&recorder.memory_in_bytes()), "{}", recorder.memory_in_bytes());
+    assert!(
+        (page_bytes..=8 * page_bytes).contains(&recorder.memory_in_bytes()),
+        "{}",
+        recorder.memory_in_bytes()
+    );
     let _: Option<Arc<Page>> = recorder.load_page(&at).unwrap();
 }

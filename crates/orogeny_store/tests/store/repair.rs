@@ -119,7 +119,8 @@ fn without_its_history_a_page_is_lost_and_shown_from_afar() {
     // Column 128 row 64 of the terrain lies on column 64 row 32 of the next level, in its second page.
     let coarse_origin = (at.x % 2 * 32, at.z % 2 * 32);
     for (z, x) in [(0, 0), (2, 0), (0, 2), (10, 20), (62, 62)] {
-        let expected = coarse.row(coarse_origin.1 + z / 2, coarse_origin.0 + x / 2, coarse_origin.0 + x / 2 + 1);
+        let expected =
+            coarse.row(coarse_origin.1 + z / 2, coarse_origin.0 + x / 2, coarse_origin.0 + x / 2 + 1);
         assert_eq!(shown_page.row(z, x, x + 1), expected, "({x}, {z})");
     }
     // Whole pages are what they are.
@@ -132,7 +133,8 @@ fn without_its_history_a_page_is_lost_and_shown_from_afar() {
     assert_eq!((salvaged.num_whole_pages, salvaged.lost_pages.len()), (14, 0));
     assert_eq!(salvaged.pages_from_coarser_levels, [(at, 1)]);
     let saved = Store::open(&to).unwrap();
-    let found: BTreeMap<_, _> = contents(&saved, at.field).into_iter().filter(|(key, _)| key.level == 0).collect();
+    let found: BTreeMap<_, _> =
+        contents(&saved, at.field).into_iter().filter(|(key, _)| key.level == 0).collect();
     for (key, expected) in shown.iter().filter(|(key, _)| key.level == 0 && *key != at) {
         assert_eq!(&found[key], expected);
     }
@@ -211,7 +213,10 @@ fn what_is_left_of_a_badly_damaged_terrain_is_saved_layer_by_layer() {
     let [base, saved_top] = saved.layers() else { panic!("{:?}", saved.layers()) };
     assert_eq!((base.name.as_str(), base.constant_m), ("Bass", 101.0));
     assert_eq!((saved_top.name.as_str(), saved_top.opacity, saved_top.visible), ("Top", 0.25, false));
-    assert_eq!(bits(&saved.load_page(&PageKey::full_resolution(saved_top.heights, 1, 1)).unwrap().unwrap()), bits(&page(1)));
+    assert_eq!(
+        bits(&saved.load_page(&PageKey::full_resolution(saved_top.heights, 1, 1)).unwrap().unwrap()),
+        bits(&page(1))
+    );
     let saved_mask = PageKey::full_resolution(saved_top.mask.unwrap(), 1, 1);
     assert_eq!(saved.load_page(&saved_mask).unwrap().as_deref(), Some(&Page::constant(layout(), 0.5)));
     assert_whole(&saved);
