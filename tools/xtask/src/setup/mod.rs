@@ -1,6 +1,6 @@
 //! `setup`: installs what the other commands need and a fresh machine lacks.
 //!
-//! What only one operating system has sits in modules of its own ([`linux`], [`tracer`]); elsewhere nothing is installed,
+//! What only one operating system has sits in modules of its own ([`linux`], [`mod@tracer`]); elsewhere nothing is installed,
 //! since the system brings its graphics driver along.
 
 #[cfg(target_os = "linux")]

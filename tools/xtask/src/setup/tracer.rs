@@ -8,7 +8,7 @@ use crate::cargo::succeeds;
 const PACKAGES: [&str; 1] = ["strace"];
 const BY_OTHER_MEANS: &str = "strace with this system's package manager";
 
-/// See [`super::tracer`].
+/// See [`super::tracer()`].
 pub fn tracer() {
     let is_there = || succeeds(Command::new("strace").arg("--version"));
     println!("tracer: {}", ensure(is_there, || apt::install(&PACKAGES, BY_OTHER_MEANS)));
