@@ -5,6 +5,9 @@
 
 use crate::{PageKey, PageLayout, SampleRect, TerrainGrid};
 
+/// How many heights are looked at side by side: the loop then vectorises.
+const LANES: usize = 16;
+
 /// Lowest and highest height of some part of a plane, in metres (or a mask's 0..1).
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct HeightBounds {
@@ -25,14 +28,24 @@ impl HeightBounds {
     /// Of a row of heights; `None` for an empty one.
     #[must_use]
     pub fn of_row(heights: &[f32]) -> Option<Self> {
-        let first = Self::of(*heights.first()?);
-        Some(heights.iter().fold(first, |bounds, height_m| bounds.with(Self::of(*height_m))))
+        let mut lanes = [Self::of(*heights.first()?); LANES];
+        let (chunks, rest) = heights.as_chunks::<LANES>();
+        for chunk in chunks {
+            for (bounds, height_m) in lanes.iter_mut().zip(chunk) {
+                *bounds = bounds.with(Self::of(*height_m));
+            }
+        }
+        let rest = rest.iter().map(|height_m| Self::of(*height_m));
+        lanes.into_iter().chain(rest).reduce(Self::with)
     }
 
     /// Of both parts together.
     #[must_use]
     pub const fn with(self, other: Self) -> Self {
-        Self { min_m: self.min_m.min(other.min_m), max_m: self.max_m.max(other.max_m) }
+        Self {
+            min_m: if other.min_m < self.min_m { other.min_m } else { self.min_m },
+            max_m: if other.max_m > self.max_m { other.max_m } else { self.max_m },
+        }
     }
 }
 
