@@ -199,7 +199,8 @@ impl Recorder {
             Some(Kept::InTransaction) => {
                 let (reply, replied) = sync_channel(1);
                 self.send(Task::Load { key: *key, before: before.is_some(), reply })?;
-                replied.recv().map_err(|_| Error::WriterGone)?
+                // Without an answer, what it was asked of is gone: the transaction, or the thread.
+                replied.recv().unwrap_or(Err(Error::TransactionFailed))
             }
             None => self.on_disk()?.load_page(key),
         }
@@ -262,17 +263,25 @@ impl Recording<'_> {
     /// Reads a page as this recording left it; `None` where the field holds its constant.
     ///
     /// # Errors
-    /// As [`Recorder::load_page`].
-    pub fn load_page(&self, key: &PageKey) -> Result<Option<Arc<Page>>> {
-        self.recorder.load(key, None)
+    /// As [`Recorder::load_page`], and as [`Self::write_pages`].
+    pub fn load_page(&mut self, key: &PageKey) -> Result<Option<Arc<Page>>> {
+        self.load(key, None)
     }
 
     /// Reads a page as it was before the entry that is [recorded](Self::record) next.
     ///
     /// # Errors
     /// As [`Recorder::load_page`].
-    pub fn load_page_before(&self, key: &PageKey) -> Result<Option<Arc<Page>>> {
-        self.recorder.load(key, Some(self.number))
+    pub fn load_page_before(&mut self, key: &PageKey) -> Result<Option<Arc<Page>>> {
+        self.load(key, Some(self.number))
+    }
+
+    fn load(&mut self, key: &PageKey, before: Option<u64>) -> Result<Option<Arc<Page>>> {
+        match self.recorder.load(key, before) {
+            // Why it failed is what there is to say.
+            Err(Error::TransactionFailed) => self.recorder.take_failure().and(Err(Error::TransactionFailed)),
+            result => result,
+        }
     }
 
     /// Hands over changed pages; waits while painting is too far ahead. What is wrong with them may come to light only

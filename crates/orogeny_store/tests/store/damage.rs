@@ -217,7 +217,8 @@ fn rows_that_say_what_the_terrain_is_are_checked() {
 fn a_file_cut_short_anywhere_is_seen() {
     let whole = Whole::new();
     let path = whole.scratch.path();
-    let mut lengths: Vec<usize> = (0..whole.bytes.len()).step_by(1021).collect();
+    let step = if std::env::var_os("OROGENY_TEST_LONG").is_some() { 1 } else { 1021 };
+    let mut lengths: Vec<usize> = (0..whole.bytes.len()).step_by(step).collect();
     lengths.extend((8192..whole.bytes.len()).step_by(8192).flat_map(|edge| [edge - 1, edge, edge + 1]));
     assert!(lengths.len() > 50, "{}", lengths.len());
     for length in lengths {
