@@ -101,7 +101,7 @@ pub(crate) fn keep(db: &Database, document: &mut Document) -> Result<Dropped> {
         return Ok(dropped);
     }
     // The new place in the history, as the entries are to be seen from it.
-    db.update_document(document)?;
+    db.write_document(document)?;
     // Somewhat more than must be, so that the next operations need not look through the history again.
     let enough = budget - budget / 16;
     for entry in order(db)? {
@@ -152,7 +152,7 @@ fn drop_entry(
         let next = db.next_of(entry)?;
         if document.head == entry {
             document.head = EntryId::CREATION;
-            db.update_document(document)?;
+            db.write_document(document)?;
         }
         db.set_next(EntryId::CREATION, next)?;
         document.floor = entry;

@@ -79,7 +79,7 @@ impl Store {
             for layer in layers {
                 stack.add(db, &mut document, EntryId::CREATION, layer)?;
             }
-            db.insert_document(&document)
+            db.write_document(&document)
         })?;
         let (head, _) = Head::lock(db.path())?;
         let mut store = Self::writer(db, head, document, stack);
@@ -326,7 +326,7 @@ impl Store {
     /// Ends the running transaction as one commit that leaves `document`, which is on disk when this returns.
     pub(crate) fn commit(&mut self, mut document: Document, stack: Stack) -> Result<()> {
         document.sequence = self.document.sequence + 1;
-        let committed = self.db.update_document(&document).and_then(|()| self.db.commit());
+        let committed = self.db.write_document(&document).and_then(|()| self.db.commit());
         if let Err(err) = committed {
             self.db.rollback();
             // What of it reached the disk is not known, and a second attempt that the system calls good proves nothing:

@@ -34,7 +34,7 @@ pub(crate) fn from_version_1(db: &Database) -> Result<()> {
         for table in RENAMED {
             db.run(&format!("DROP TABLE {table}_1"))?;
         }
-        db.insert_document(&Document { history_bytes: db.history_bytes()?, ..document.clone() })?;
+        db.write_document(&Document { history_bytes: db.history_bytes()?, ..document.clone() })?;
         let stack = Stack::load(db)?;
         pyramid::refresh(db, document.grid, document.layout, |key| stack.constant(key), pages)?;
         db.run(&format!("PRAGMA user_version = {}", format::FORMAT_VERSION))

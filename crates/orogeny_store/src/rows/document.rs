@@ -97,11 +97,17 @@ fn field_checksum(id: FieldId, kind: FieldKind, constant: f32) -> Checksum {
 }
 
 impl Database {
-    pub(crate) fn insert_document(&self, document: &Document) -> Result<()> {
+    /// Writes the one row, or what of it changes: all but the size.
+    pub(crate) fn write_document(&self, document: &Document) -> Result<()> {
         self.statement(
             "INSERT INTO document (id, width, depth, spacing_m, page_size, sequence, head, last_entry, last_layer,
                                    last_field, floor, history_bytes, history_budget, checksum)
-             VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)",
+             VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)
+             ON CONFLICT (id) DO UPDATE SET
+                 sequence = excluded.sequence, head = excluded.head, last_entry = excluded.last_entry,
+                 last_layer = excluded.last_layer, last_field = excluded.last_field, floor = excluded.floor,
+                 history_bytes = excluded.history_bytes, history_budget = excluded.history_budget,
+                 checksum = excluded.checksum",
         )
         .and_then(|mut statement| {
             statement.execute(params![
@@ -109,29 +115,6 @@ impl Database {
                 document.grid.depth(),
                 document.grid.spacing_m(),
                 document.layout.size(),
-                document.sequence.cast_signed(),
-                document.head.0,
-                document.last_entry,
-                document.last_layer,
-                document.last_field,
-                document.floor.0,
-                document.history_bytes.cast_signed(),
-                document.history_budget.map(u64::cast_signed),
-                document.checksum(),
-            ])
-        })
-        .map_err(|err| self.fault(err))?;
-        Ok(())
-    }
-
-    /// Writes what changes: all but the size.
-    pub(crate) fn update_document(&self, document: &Document) -> Result<()> {
-        self.statement(
-            "UPDATE document SET sequence = ?1, head = ?2, last_entry = ?3, last_layer = ?4, last_field = ?5,
-                                 floor = ?6, history_bytes = ?7, history_budget = ?8, checksum = ?9",
-        )
-        .and_then(|mut statement| {
-            statement.execute(params![
                 document.sequence.cast_signed(),
                 document.head.0,
                 document.last_entry,
