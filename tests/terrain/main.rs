@@ -1,0 +1,17 @@
+//! What the engine keeps of a terrain, whatever happens to it: kills in mid-stroke, logs that lose their end, flipped bits,
+//! failing disks, ten thousand strokes, a million samples a side, a history that may not grow, commits behind the painting.
+//!
+//! All on the CPU back end. Each test that needs another process starts this binary again, in the role that an environment
+//! variable names.
+
+#![cfg(test)]
+#![cfg(unix)]
+
+mod kill;
+mod painter;
+mod support;
+mod torn;
+
+// Faults at the level of system calls, by strace.
+#[cfg(target_os = "linux")]
+mod writes_fail;
