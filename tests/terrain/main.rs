@@ -7,10 +7,15 @@
 #![cfg(test)]
 #![cfg(unix)]
 
+mod budget;
+mod flipped;
 mod kill;
 mod painter;
+mod scale;
+mod small_disk;
 mod support;
 mod torn;
+mod vast;
 
 // Faults at the level of system calls, by strace.
 #[cfg(target_os = "linux")]
