@@ -84,12 +84,14 @@ impl Store {
             }
         }
         // A page below a lost one keeps what it holds, so what is left of the lost ones stays to be seen from afar.
+        let mut below = Changed::new();
         for key in damaged.iter().filter(|key| key.level > 0) {
             self.db.delete_page(key)?;
+            // As a whole, though nothing below it may have changed.
+            below.insert(*key, self.layout().page_rect(key).intersection(&self.grid().bounds_at(key.level)));
             repaired.levels_made_anew = true;
         }
         self.db.cache.borrow_mut().clear();
-        let mut below = Changed::new();
         for field in self.stack.fields.keys() {
             let keys = self.db.page_keys(*field)?;
             let grid = self.grid();
