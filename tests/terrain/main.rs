@@ -7,6 +7,7 @@
 #![cfg(test)]
 #![cfg(unix)]
 
+mod behind;
 mod budget;
 mod flipped;
 mod kill;
