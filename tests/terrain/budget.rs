@@ -18,7 +18,7 @@ fn a_history_keeps_to_its_budget_and_undo_reaches_its_oldest_entry() {
     terrain.set_history_budget(Some(BUDGET_BYTES)).unwrap();
     let mut dropped = Vec::new();
     let (mut dropped_in_bytes, mut num_undone, mut number) = (0, 0, 0);
-    let wanted_in_bytes = if is_long() { 20 * NUM_BUDGETS } else { NUM_BUDGETS } * BUDGET_BYTES;
+    let wanted_in_bytes = if is_long() { 4 * NUM_BUDGETS } else { NUM_BUDGETS } * BUDGET_BYTES;
     while dropped_in_bytes + BUDGET_BYTES < wanted_in_bytes {
         number += 1;
         terrain.submit(&[stroke(number)], &mut Quiet).unwrap();
