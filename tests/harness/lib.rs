@@ -17,6 +17,7 @@
 )]
 
 mod adapter;
+pub mod child;
 pub mod compare;
 mod operation;
 mod plane;

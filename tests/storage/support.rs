@@ -1,56 +1,18 @@
-//! Child processes, terrains and skips for the storage tests.
+//! Terrains and skips for the storage tests.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::Path;
 use std::sync::Arc;
 
 use orogeny_field::{Page, PageKey, PageLayout, TerrainGrid};
 use orogeny_store::{NewLayer, NewTerrain, Store};
-
-/// Set in a child: the terrain or folder that it works on.
-const CHILD_PATH: &str = "OROGENY_STORAGE_CHILD";
+pub use orogeny_tests::child::{
+    acknowledge, acknowledged, as_child, child, child_arguments, child_path, is_long,
+};
 
 /// Columns and rows of pages of the test terrains.
 pub const PAGES: (u32, u32) = (5, 3);
-
-/// What a child was started for; `None` in the parent.
-pub fn child_path() -> Option<PathBuf> {
-    let path = std::env::var_os(CHILD_PATH)?;
-    // The test harness leaves the name of the test on the line.
-    println!();
-    Some(PathBuf::from(path))
-}
-
-/// This test again, by its full name, as a child that works on `path`, its output piped.
-pub fn child(test: &str, path: &Path) -> Command {
-    let mut command = Command::new(std::env::current_exe().unwrap());
-    as_child(&mut command, path).args(child_arguments(test));
-    command
-}
-
-/// What makes the test binary run one test.
-pub fn child_arguments(test: &str) -> [&str; 3] {
-    ["--exact", test, "--nocapture"]
-}
-
-/// Makes any command the child of a test.
-pub fn as_child<'a>(command: &'a mut Command, path: &Path) -> &'a mut Command {
-    command.env(CHILD_PATH, path).stdin(Stdio::piped()).stdout(Stdio::piped())
-}
-
-/// Tells the parent that something is done.
-pub fn acknowledge(what: &str) {
-    println!("ack {what}");
-}
-
-/// Everything that a child acknowledged; a line cut off by its end does not count.
-pub fn acknowledged(output: &[u8]) -> Vec<String> {
-    let text = String::from_utf8_lossy(output);
-    let whole_lines = text.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n'));
-    whole_lines.filter_map(|line| line.strip_prefix("ack ").map(str::to_owned)).collect()
-}
 
 /// Says aloud, and where a list is kept, that something could not be tested here.
 pub fn skip(reason: &str) {
@@ -59,11 +21,6 @@ pub fn skip(reason: &str) {
         let mut file = std::fs::OpenOptions::new().create(true).append(true).open(log).unwrap();
         writeln!(file, "SKIPPED (counted): {reason}").unwrap();
     }
-}
-
-/// Whether the long, exhaustive form of a test was asked for.
-pub fn is_long() -> bool {
-    std::env::var_os("OROGENY_TEST_LONG").is_some()
 }
 
 pub fn layout() -> PageLayout {

@@ -120,6 +120,8 @@ impl Terrain {
         }
         let author = self.settings().author.clone();
         let band_bytes = self.settings().page_budget_in_bytes / 4;
+        // Strokes that turn out to have failed go from the executor's memory too.
+        self.flush()?;
         let mut recording = self.recorder()?.begin()?;
         let (layer, made_layer) = target_layer(&mut recording, request.layer.as_deref())?;
         let written = write_rows(&mut recording, raster, &layer, target, &inside, band_bytes, observer)?;

@@ -240,7 +240,7 @@ impl Terrain {
             layers: layers.collect::<Result<_>>()?,
             history: store.history_summary()?,
             file_size_in_bytes: store.file_size_in_bytes()?,
-            num_commits: store.num_commits(),
+            num_commits: store.num_commits()?,
             num_levels_above: store.layout().top_level(&grid),
             memory: self.memory(),
         })

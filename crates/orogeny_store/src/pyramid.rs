@@ -72,7 +72,8 @@ struct Material {
     info: Option<PageInfo>,
 }
 
-/// Makes all pages above the changed ones anew, in the running transaction. `constant` gives a field's constant.
+/// Makes all pages above the changed ones anew, in the running transaction. A page above level 0 among the changed ones is made
+/// anew itself. `constant` gives a field's constant.
 pub(crate) fn refresh(
     db: &Database,
     grid: TerrainGrid,
@@ -80,9 +81,12 @@ pub(crate) fn refresh(
     constant: impl Fn(&PageKey) -> f32,
     changed: Changed,
 ) -> Result<()> {
-    let mut changed = changed;
+    let (mut changed, anew): (Changed, Changed) = changed.into_iter().partition(|(key, _)| key.level == 0);
     for level in 1..=layout.top_level(&grid) {
-        let above = pages_above(&grid, layout, level, &changed);
+        let mut above = pages_above(&grid, layout, level, &changed);
+        for (key, rect) in anew.iter().filter(|(key, _)| key.level == level) {
+            note(&mut above, *key, rect);
+        }
         changed = Changed::new();
         let above: Vec<_> = above.into_iter().collect();
         for batch in above.chunks(BATCH_PAGES) {

@@ -95,7 +95,6 @@ impl Store {
             }
         }
         self.db.cache.borrow_mut().clear();
-        let mut below = Changed::new();
         for field in self.stack.fields.keys() {
             let keys = self.db.page_keys(*field)?;
             let grid = self.grid();

@@ -190,10 +190,12 @@ impl Store {
         self.upgraded_from
     }
 
-    /// How many commits the terrain has seen.
-    #[must_use]
-    pub const fn num_commits(&self) -> u64 {
-        self.document.sequence
+    /// How many commits the terrain has seen, those of a writer beside this reader included.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn num_commits(&self) -> Result<u64> {
+        Ok(self.db.document()?.sequence)
     }
 
     /// The layers, from the bottom.

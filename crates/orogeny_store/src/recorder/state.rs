@@ -91,8 +91,11 @@ impl State {
         self.entries.retain(|entry| entry.number > number);
     }
 
-    pub(super) fn fail(&mut self, err: Error) {
+    /// Keeps what went wrong until someone asks, and tells whether it is the first thing that did.
+    pub(super) fn fail(&mut self, err: Error) -> bool {
+        let is_first = self.failure.is_none();
         self.failure.get_or_insert(err);
+        is_first
     }
 }
 

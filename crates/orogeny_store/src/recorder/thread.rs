@@ -73,10 +73,13 @@ fn serve(mut store: Store, tasks: &Receiver<Task>, gone: &Gone) -> Result<()> {
 
 /// One transaction, from its start to its end. After a failure its tasks are only counted off.
 fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared) {
+    // Whether the failure that is kept, should no one have asked for it yet, is of this transaction.
+    let mut is_failure_ours = false;
+    let fail = |is_ours: &mut bool, err| shared.change(|state| *is_ours |= state.fail(err));
     let mut transaction = match store.begin() {
         Ok(transaction) => Some(transaction),
         Err(err) => {
-            shared.change(|state| state.fail(err));
+            fail(&mut is_failure_ours, err);
             None
         }
     };
@@ -105,7 +108,13 @@ fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared)
             }
             (Task::Abort { last_number }, transaction) => {
                 drop(transaction.take());
-                return shared.change(|state| state.forget_up_to(last_number));
+                return shared.change(|state| {
+                    state.forget_up_to(last_number);
+                    // What was taken back anyway concerns no one; what failed before it does.
+                    if is_failure_ours {
+                        state.failure = None;
+                    }
+                });
             }
             // The transaction has failed: whoever waits for an answer is told by the end of its channel.
             (Task::Load { .. } | Task::WithTransaction(_) | Task::Record { .. } | Task::Begin, _) => Ok(()),
@@ -113,7 +122,7 @@ fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared)
         };
         if let Err(err) = result {
             transaction = None;
-            shared.change(|state| state.fail(err));
+            fail(&mut is_failure_ours, err);
         }
     }
 }
@@ -125,7 +134,7 @@ fn commit(transaction: Option<Transaction<'_>>, last_number: u64, shared: &Share
         state.forget_up_to(last_number);
         match result {
             Some(Ok(committed)) => state.dropped.extend(committed.dropped),
-            Some(Err(err)) => state.fail(err),
+            Some(Err(err)) => _ = state.fail(err),
             // What went wrong is known already.
             None => {}
         }

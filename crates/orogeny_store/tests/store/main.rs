@@ -15,3 +15,4 @@ mod readers;
 mod recorder;
 mod repair;
 mod support;
+mod taken_back;
