@@ -124,7 +124,7 @@ fn without_its_history_a_flipped_page_is_shown_coarser_and_the_rest_is_saved() {
         let request = MapRequest::new(folder.path().join("map.png"));
         let map = terrain.draw_map(&request, &mut Quiet).unwrap();
         let notice = format!(
-            "the page at column {} row {} of level 0 is damaged; a coarser level is shown",
+            "the page at column {} row {} of level 0 is damaged; a coarser level is shown, or the bare ground",
             key.x, key.z
         );
         assert_eq!((map.level, map.notices), (0, vec![notice]));

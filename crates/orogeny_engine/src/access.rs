@@ -16,14 +16,17 @@ pub(crate) struct Shares {
     pub(crate) executor_in_bytes: u64,
     /// Pages on their way to the file.
     pub(crate) pending_in_bytes: u64,
+    /// Pages that the store remembers.
+    pub(crate) cache_in_bytes: u64,
 }
 
 impl Shares {
-    /// Of a whole budget. What the store remembers is taken off too; half is left for painting, however small it is.
+    /// Of a whole budget: three quarters of it at least are for painting.
     pub(crate) fn of(budget_in_bytes: u64) -> Self {
         let pending_in_bytes = MAX_PENDING_BYTES.min(budget_in_bytes / 8);
-        let rest = budget_in_bytes.saturating_sub(pending_in_bytes).saturating_sub(MAX_CACHE_BYTES);
-        Self { executor_in_bytes: rest.max(budget_in_bytes / 2), pending_in_bytes }
+        let cache_in_bytes = MAX_CACHE_BYTES.min(budget_in_bytes / 8);
+        let executor_in_bytes = budget_in_bytes - pending_in_bytes - cache_in_bytes;
+        Self { executor_in_bytes, pending_in_bytes, cache_in_bytes }
     }
 }
 
@@ -37,7 +40,9 @@ pub(crate) enum Access {
 impl Access {
     /// Of a store that is open for writing.
     pub(crate) fn writing(store: Store, budget_in_bytes: u64) -> Result<Self> {
-        Ok(Self::Write(Recorder::start(store, Shares::of(budget_in_bytes).pending_in_bytes)?))
+        let shares = Shares::of(budget_in_bytes);
+        store.limit_cache(shares.cache_in_bytes);
+        Ok(Self::Write(Recorder::start(store, shares.pending_in_bytes)?))
     }
 
     pub(crate) fn reading(path: &Path) -> Result<Self> {
@@ -117,14 +122,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_shares_keep_to_the_budget_and_leave_half_of_it_for_painting() {
+    fn the_shares_come_to_the_budget_and_most_of_it_is_for_painting() {
         for mebibytes in [1, 8, 64, 128, 512, 1024, 65_536] {
             let budget = mebibytes << 20;
-            let Shares { executor_in_bytes, pending_in_bytes } = Shares::of(budget);
-            assert!(executor_in_bytes >= budget / 2, "{mebibytes} MiB");
-            assert!(executor_in_bytes + pending_in_bytes <= budget, "{mebibytes} MiB");
+            let Shares { executor_in_bytes, pending_in_bytes, cache_in_bytes } = Shares::of(budget);
+            assert!(executor_in_bytes >= budget / 4 * 3, "{mebibytes} MiB");
+            assert_eq!(executor_in_bytes + pending_in_bytes + cache_in_bytes, budget, "{mebibytes} MiB");
         }
-        let large = Shares::of(1 << 30);
-        assert_eq!(large.executor_in_bytes + large.pending_in_bytes + MAX_CACHE_BYTES, 1 << 30);
+        assert_eq!(Shares::of(1 << 30).cache_in_bytes, MAX_CACHE_BYTES);
     }
 }

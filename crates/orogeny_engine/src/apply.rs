@@ -114,8 +114,10 @@ impl Terrain {
             Site { grid: recorder.on_disk()?.grid(), layout: recorder.on_disk()?.layout(), author: &author };
         let result = recorder.begin().map_err(Error::from).and_then(|mut recording| {
             let applied = apply_all(operations, &site, &mut recording, executor, observer)?;
-            if after == After::Commit {
-                recording.finish()?;
+            match after {
+                After::Commit => recording.finish()?,
+                // Whether what was handed over could be written is known when all of it was.
+                After::TakeBack => recording.with_transaction(|_| Ok(()))?,
             }
             Ok(applied)
         });

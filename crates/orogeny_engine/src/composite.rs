@@ -124,7 +124,8 @@ impl<'a> Composite<'a> {
                     let page = match page {
                         Err(_) if self.shows_damage => {
                             self.damaged.push(*key);
-                            self.store.load_page_or_coarser(key)?.0
+                            // Where no level is whole, what is left is the ground before painting.
+                            self.store.load_page_or_coarser(key).map_or(None, |(page, _)| page)
                         }
                         page => page?,
                     };

@@ -62,6 +62,7 @@ impl Terrain {
         options.spacing_m.get_or_insert(self.grid().spacing_m() * f64::from(1_u32 << level));
         let (width, depth) = (rect.width(), rect.depth());
         let mut file = orogeny_formats::create(&request.file, &options, width, depth)?;
+        let _unchanging = self.settled()?.snapshot()?;
         let mut composite = self.composite(source, level, rect)?;
         let mut row = vec![0.0; width as usize];
         let mut num_rows = 0;
@@ -76,21 +77,23 @@ impl Terrain {
 
     /// The samples of a level in a region.
     fn region_at(&self, region_m: Option<[f64; 4]>, level: u8) -> Result<SampleRect> {
-        let grid = self.grid();
-        let top = self.store()?.layout().top_level(&grid);
+        let top = self.store()?.layout().top_level(&self.grid());
         if level > top {
             return Err(Error::UnknownLevel { level, top });
         }
-        let rect = self.region(region_m)?;
-        // Those that lie on a sample of the region, and at least one.
+        Ok(self.samples_at(&self.region(region_m)?, level))
+    }
+
+    /// The samples of a level that lie on a sample of a rectangle, and at least one each way.
+    pub(crate) fn samples_at(&self, rect: &SampleRect, level: u8) -> SampleRect {
         let side = 1_i32 << level;
         let along = |start: i32, end: i32, last: i32| {
-            let first = (start + side - 1) / side;
-            (first.min(last - 1), ((end + side - 1) / side).clamp(first.min(last - 1) + 1, last))
+            let first = ((start + side - 1) / side).min(last - 1);
+            (first, ((end + side - 1) / side).clamp(first + 1, last))
         };
-        let bounds = grid.bounds_at(level);
+        let bounds = self.grid().bounds_at(level);
         let ((x0, x1), (z0, z1)) = (along(rect.x0, rect.x1, bounds.x1), along(rect.z0, rect.z1, bounds.z1));
-        Ok(SampleRect::new(x0, z0, x1, z1))
+        SampleRect::new(x0, z0, x1, z1)
     }
 
     /// The samples of a region, which touches the terrain; all of them for none.

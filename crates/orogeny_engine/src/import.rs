@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use orogeny_field::{Page, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_formats::{Import, ImportOptions};
@@ -122,6 +123,7 @@ impl Terrain {
         let band_bytes = self.settings().page_budget_in_bytes / 4;
         // Strokes that turn out to have failed go from the executor's memory too.
         self.flush()?;
+        let read_at = stamp(&request.file)?;
         let mut recording = self.recorder()?.begin()?;
         let (layer, made_layer) = target_layer(&mut recording, request.layer.as_deref())?;
         let written = write_rows(&mut recording, raster, &layer, target, &inside, band_bytes, observer)?;
@@ -136,6 +138,10 @@ impl Terrain {
             width,
             depth,
         };
+        if stamp(&request.file)? != read_at {
+            let source = std::io::Error::other("it was changed while it was imported: import it again");
+            return Err(Error::Read { path: request.file.clone(), source });
+        }
         let entry = recording.record(operation.to_json()?, &author)?;
         recording.finish()?;
         self.flush()?;
@@ -179,6 +185,12 @@ impl RecordedImport {
         serde_json::to_string(self)
             .map_err(|err| Error::Operation { place: "the import".to_owned(), detail: err.to_string() })
     }
+}
+
+/// What changes with a file: its length and time.
+fn stamp(file: &Path) -> Result<(u64, Option<SystemTime>)> {
+    let metadata = std::fs::metadata(file).map_err(|source| Error::Read { path: file.to_owned(), source })?;
+    Ok((metadata.len(), metadata.modified().ok()))
 }
 
 /// Keeps the file's content with the terrain, and gives its name.

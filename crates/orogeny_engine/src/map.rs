@@ -90,6 +90,7 @@ impl Terrain {
             return Err(Error::PictureSize { width, height, limit: MAX_SIDE_PX });
         }
         let rect = self.region(request.region_m)?;
+        let _unchanging = self.settled()?.snapshot()?;
         let samples_per_px = rect.width().div_ceil(width).max(rect.depth().div_ceil(height));
         let (picture, level, damaged) = self.mean_heights(rect, samples_per_px, observer)?;
         let range_m = request.range_m.unwrap_or_else(|| picture.range_m());
@@ -99,7 +100,9 @@ impl Terrain {
         write_png(&request.file, width_px, height_px, &pixels)?;
         let notice = |key: &PageKey| {
             let PageKey { level, x, z, .. } = key;
-            format!("the page at column {x} row {z} of level {level} is damaged; a coarser level is shown")
+            format!(
+                "the page at column {x} row {z} of level {level} is damaged; a coarser level is shown, or the bare ground"
+            )
         };
         let notices = damaged.iter().map(notice).collect();
         let file = request.file.clone();
@@ -118,17 +121,14 @@ impl Terrain {
         let depth = rect.depth().div_ceil(samples_per_px) as usize;
         let top = self.store()?.layout().top_level(&self.grid());
         let level = (samples_per_px.ilog2().saturating_sub(1) as u8).min(top);
-        let level_rect = SampleRect::new(
-            (rect.x0 + (1 << level) - 1) >> level,
-            (rect.z0 + (1 << level) - 1) >> level,
-            ((rect.x1 - 1) >> level) + 1,
-            ((rect.z1 - 1) >> level) + 1,
-        );
+        let level_rect = self.samples_at(&rect, level);
         // What painted pages add to the height of unpainted ground: so a map costs what is painted, not what there could be.
         let unpainted_m = f64::from(self.unpainted_height_m()?);
         let mut sums = vec![0.0_f64; width * depth];
         let pixel = |z: i32, x: i32| {
-            let along = |place: i32, start: i32| ((place << level).abs_diff(start) / samples_per_px) as usize;
+            let along = |place: i32, start: i32| {
+                ((place << level).saturating_sub(start).max(0).unsigned_abs() / samples_per_px) as usize
+            };
             along(z, rect.z0) * width + along(x, rect.x0)
         };
         let painted = self.painted_rects(level, level_rect)?;
@@ -163,7 +163,16 @@ impl Terrain {
         let rows = counts(level_rect.z0, level_rect.z1, rect.z0, depth);
         let areas = rows.iter().flat_map(|row| columns.iter().map(move |column| f64::from(row * column)));
         let mean = |(sum, area): (f64, f64)| (unpainted_m + sum / area.max(1.0)) as f32;
-        let heights = sums.into_iter().zip(areas).map(mean).collect();
+        let mut heights: Vec<f32> = sums.into_iter().zip(areas).map(mean).collect();
+        // The last column or row may be so narrow that no sample of the level lies in it: it shows the one before.
+        for row in heights.chunks_exact_mut(width) {
+            if columns.last() == Some(&0) && width > 1 {
+                row.copy_within(width - 2..width - 1, width - 1);
+            }
+        }
+        if rows.last() == Some(&0) && depth > 1 {
+            heights.copy_within((depth - 2) * width..(depth - 1) * width, (depth - 1) * width);
+        }
         let spacing_m = (self.grid().spacing_m() * f64::from(samples_per_px)) as f32;
         Ok((Picture { width, heights, spacing_m }, level, damaged))
     }
@@ -288,6 +297,23 @@ mod tests {
         };
         let (towards, flat, away) = (brightness(0.5, 0.5), brightness(0.0, 0.0), brightness(-0.5, -0.5));
         assert!(towards > flat && flat > away, "{towards} {flat} {away}");
+    }
+
+    /// Sides of which the last pixel holds no sample of the level that is read: 4106 samples, five a pixel, level 1.
+    #[test]
+    fn the_last_column_and_row_of_a_map_are_those_of_the_terrain() {
+        use crate::{Adapter, Operation, Quiet, Settings, TerrainGrid};
+        let folder = tempfile::tempdir().unwrap();
+        let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
+        let grid = TerrainGrid::new(4106, 4106, 1.0).unwrap();
+        let mut terrain = Terrain::create(&folder.path().join("t.orogeny"), grid, 0.0, settings).unwrap();
+        let text = r#"{"op": "fill", "brush": {"type": "set_height", "height": 50, "strength": 1}}"#;
+        terrain.apply(&[Operation::from_json_text(text).unwrap()], &mut Quiet).unwrap();
+        for region_m in [None, Some([4105.0, 0.0, 1.0, 4106.0]), Some([3.0, 5.0, 1.0, 4000.0])] {
+            let request = MapRequest { region_m, ..MapRequest::new(folder.path().join("m.png")) };
+            let summary = terrain.draw_map(&request, &mut Quiet).unwrap();
+            assert_eq!((summary.level, summary.range_m), (1, [50.0, 50.0]), "{region_m:?}");
+        }
     }
 
     #[cfg(unix)]

@@ -123,7 +123,8 @@ impl Terrain {
     pub fn create(path: &Path, grid: TerrainGrid, height_m: f32, settings: Settings) -> Result<Self> {
         let base = NewLayer { name: BASE_LAYER.to_owned(), constant_m: height_m };
         let new = NewTerrain { grid, layout: PageLayout::default(), layers: vec![base] };
-        Self::writing(Store::create(path, &new)?, settings)
+        // What stops here leaves a terrain behind that no one asked for.
+        Self::writing(Store::create(path, &new)?, settings).inspect_err(|_| _ = std::fs::remove_file(path))
     }
 
     /// Opens a terrain for writing. Takes no longer for a large one.
@@ -279,6 +280,7 @@ impl Terrain {
     /// [`Error::Store`] when a page cannot be read; [`Error::Cancelled`].
     pub fn height_statistics(&self, observer: &mut dyn Observer) -> Result<HeightStatistics> {
         let bounds = self.grid().bounds();
+        let _unchanging = self.settled()?.snapshot()?;
         let painted = self.painted_rects(0, bounds)?;
         let (mut min_m, mut max_m, mut sum_m) = (f32::INFINITY, f32::NEG_INFINITY, 0.0_f64);
         let mut num_samples = 0;
@@ -354,7 +356,12 @@ impl Terrain {
     ) -> Result<Vec<Change>> {
         // A commit that failed meanwhile takes its pages back.
         self.flush()?;
-        let changes = travel(self.recorder()?)?;
+        let travelled = travel(self.recorder()?);
+        if travelled.is_err() {
+            // Whether it came to pass or not.
+            self.forget_all_pages();
+        }
+        let changes = travelled?;
         changes.iter().for_each(|change| self.forget_pages(&change.pages));
         Ok(changes)
     }

@@ -81,6 +81,15 @@ impl PageLayout {
     }
 }
 
+impl PageLayout {
+    /// Whether a terrain has such a page, which a key from outside need not be.
+    #[must_use]
+    pub fn has_page(&self, grid: &TerrainGrid, key: &PageKey) -> bool {
+        let (columns, rows) = self.num_pages_at(grid, key.level);
+        key.x < columns && key.z < rows
+    }
+}
+
 impl PageKey {
     /// The page one level up that covers this one.
     #[must_use]
@@ -149,6 +158,11 @@ mod tests {
         assert_eq!(layout.top_level(&oblong), 2);
         let pages: Vec<_> = (0..4).map(|level| layout.num_pages_at(&oblong, level)).collect();
         assert_eq!(pages, [(4, 2), (2, 1), (1, 1), (0, 0)]);
+        let is_there = |level, x, z| layout.has_page(&oblong, &any_page(level, x, z));
+        assert!(is_there(0, 3, 1) && is_there(2, 0, 0));
+        assert!(
+            !is_there(0, 4, 0) && !is_there(0, 0, 2) && !is_there(3, 0, 0) && !is_there(255, u32::MAX, 0)
+        );
         let planet = grid(1 << 20, 1 << 20);
         assert_eq!(PageLayout::default().top_level(&planet), 12);
         assert_eq!(PageLayout::default().num_pages_at(&planet, 0), (4096, 4096));

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use crate::database::Database;
 use crate::history::Tree;
 use crate::rows::Document;
-use crate::{EntryId, EntryState, Result, Store};
+use crate::{EntryId, EntryState, Error, Result, Store};
 
 /// What had to go from the history.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
@@ -37,9 +37,9 @@ impl Store {
     /// # Errors
     /// When the file cannot be written; nothing is changed then.
     pub fn set_history_budget(&mut self, budget_in_bytes: Option<u64>) -> Result<Dropped> {
-        self.drop_history(|db, document| {
+        self.in_commit(|store, document, _| {
             document.history_budget = budget_in_bytes;
-            keep(db, document)
+            keep(&store.db, document)
         })
     }
 
@@ -48,7 +48,8 @@ impl Store {
     /// # Errors
     /// When the file cannot be written; nothing is changed then.
     pub fn drop_branches(&mut self) -> Result<Dropped> {
-        self.drop_history(|db, document| {
+        self.in_commit(|store, document, _| {
+            let db = &store.db;
             let mut dropped = Dropped::default();
             let is_branch = |(_, state): &(EntryId, EntryState)| *state == EntryState::Branch;
             for entry in order(db)?.into_iter().filter(is_branch) {
@@ -67,33 +68,16 @@ impl Store {
         self.refuse_unless_writable()?;
         self.db.checkpoint()?;
         let before = self.file_size_in_bytes()?;
-        self.db.vacuum()?;
-        self.db.checkpoint()?;
-        Ok((before, self.file_size_in_bytes()?))
-    }
-
-    fn drop_history(
-        &mut self,
-        choose: impl FnOnce(&Database, &mut Document) -> Result<Dropped>,
-    ) -> Result<Dropped> {
-        self.refuse_unless_writable()?;
-        self.db.begin()?;
-        let mut document = self.document.clone();
-        match choose(&self.db, &mut document) {
-            Ok(dropped) => {
-                let stack = self.stack.clone();
-                self.commit(document, stack)?;
-                Ok(dropped)
-            }
-            Err(err) => {
-                self.db.rollback();
-                Err(err)
-            }
+        if let Err(err) = self.db.vacuum().and_then(|()| self.db.checkpoint()) {
+            self.note_disk_failure(&err)?;
+            return Err(err);
         }
+        Ok((before, self.file_size_in_bytes()?))
     }
 }
 
-/// Drops what the history takes over its budget, in the running transaction.
+/// Drops what the history takes over its budget, in the running transaction. What is damaged stays, and the history over its
+/// budget with it: painting goes on.
 pub(crate) fn keep(db: &Database, document: &mut Document) -> Result<Dropped> {
     let mut dropped = Dropped::default();
     let Some(budget) = document.history_budget else { return Ok(dropped) };
@@ -104,11 +88,25 @@ pub(crate) fn keep(db: &Database, document: &mut Document) -> Result<Dropped> {
     db.write_document(document)?;
     // Somewhat more than must be, so that the next operations need not look through the history again.
     let enough = budget - budget / 16;
-    for entry in order(db)? {
+    let entries = match order(db) {
+        Err(Error::DamagedHistory { .. }) => return Ok(dropped),
+        entries => entries?,
+    };
+    for entry in entries {
         if document.history_bytes <= enough {
             break;
         }
-        drop_entry(db, document, entry, &mut dropped)?;
+        let before = (document.clone(), dropped.clone());
+        db.run("SAVEPOINT drop_entry")?;
+        match drop_entry(db, document, entry, &mut dropped) {
+            Ok(()) => db.run("RELEASE drop_entry")?,
+            Err(Error::DamagedHistory { .. }) => {
+                db.run("ROLLBACK TO drop_entry; RELEASE drop_entry")?;
+                (*document, dropped) = before;
+                break;
+            }
+            Err(err) => return Err(err),
+        }
     }
     Ok(dropped)
 }

@@ -25,11 +25,12 @@ pub(crate) struct Content {
 pub(crate) struct PageCache {
     pages: LruCache<PageKey, Content>,
     size_in_bytes: u64,
+    max_bytes: u64,
 }
 
 impl Default for PageCache {
     fn default() -> Self {
-        Self { pages: LruCache::unbounded(), size_in_bytes: 0 }
+        Self { pages: LruCache::unbounded(), size_in_bytes: 0, max_bytes: MAX_CACHE_BYTES }
     }
 }
 
@@ -47,7 +48,17 @@ impl PageCache {
         if let Some(old) = self.pages.put(key, content) {
             self.size_in_bytes -= size_of(&old);
         }
-        while self.size_in_bytes > MAX_CACHE_BYTES
+        self.make_room();
+    }
+
+    /// Keeps no more than this, and never more than [`MAX_CACHE_BYTES`].
+    pub(crate) fn limit(&mut self, max_bytes: u64) {
+        self.max_bytes = max_bytes.min(MAX_CACHE_BYTES);
+        self.make_room();
+    }
+
+    fn make_room(&mut self) {
+        while self.size_in_bytes > self.max_bytes
             && let Some((_, oldest)) = self.pages.pop_lru()
         {
             self.size_in_bytes -= size_of(&oldest);
@@ -98,7 +109,9 @@ mod tests {
         assert_eq!(cache.size_in_bytes(), MAX_CACHE_BYTES);
         cache.forget(&key(0));
         assert_eq!(cache.size_in_bytes(), MAX_CACHE_BYTES - layout.size_in_bytes());
+        cache.limit(2 * layout.size_in_bytes());
+        assert_eq!(cache.size_in_bytes(), 2 * layout.size_in_bytes());
         cache.clear();
-        assert_eq!((cache.size_in_bytes(), cache.get(&key(2)).is_none()), (0, true));
+        assert_eq!((cache.size_in_bytes(), cache.get(&key(max_pages)).is_none()), (0, true));
     }
 }

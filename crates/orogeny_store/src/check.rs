@@ -7,6 +7,7 @@ use orogeny_field::{PageKey, SampleRect};
 use rayon::prelude::*;
 
 use crate::head::Head;
+use crate::history::Tree;
 use crate::pyramid::{self, Changed, Plane};
 use crate::rows::SavedLayer;
 use crate::{Error, Result, Store, content};
@@ -75,6 +76,11 @@ impl Store {
             let keys = self.db.page_keys_after(last, KEYS_PER_READ)?;
             let Some(last_key) = keys.last() else { return Ok(()) };
             last = Some(*last_key);
+            let (keys, beyond): (Vec<_>, Vec<_>) =
+                keys.into_iter().partition(|key| layout.has_page(&grid, key));
+            let beyond =
+                beyond.into_iter().map(|key| Error::damaged_page(key, "the terrain has no such page"));
+            report.problems.extend(beyond);
             self.check_each(
                 report,
                 &keys,
@@ -111,7 +117,7 @@ impl Store {
             for level in 1..=layout.top_level(&grid) {
                 let below: Changed = keys
                     .iter()
-                    .filter(|key| key.level == level - 1)
+                    .filter(|key| key.level == level - 1 && layout.has_page(&grid, key))
                     .map(|key| (*key, layout.page_rect(key).intersection(&grid.bounds_at(key.level))))
                     .collect();
                 let above = pyramid::pages_above(&grid, layout, level, &below);
@@ -196,6 +202,8 @@ impl Store {
             };
             report.problems.push(Error::damaged_page(key, detail));
         }
+        let states = Tree::load(&self.db).and_then(|tree| tree.states(&self.db));
+        report.keep(states);
         let (counted, said) = (self.db.history_bytes()?, self.db.document()?.history_bytes);
         if counted != said {
             let detail = format!("its history takes {counted} bytes, it says {said}");

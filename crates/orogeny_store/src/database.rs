@@ -283,11 +283,8 @@ impl Database {
 
     /// Runs `work` over one unchanging state of the file.
     pub(crate) fn in_snapshot<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
-        self.run("BEGIN DEFERRED")?;
-        let result = work();
-        // There is nothing to take back: it ends the snapshot.
-        self.run("ROLLBACK").ok();
-        result
+        let _snapshot = Snapshot::new(self)?;
+        work()
     }
 
     /// Rewrites the file without what is free in it.
@@ -336,6 +333,37 @@ impl Database {
 
     fn setting(&self, name: &str) -> rusqlite::Result<i32> {
         self.conn.query_row(&format!("PRAGMA {name}"), [], |row| row.get(0))
+    }
+}
+
+/// One unchanging state of the file, for as long as it is held.
+pub struct Snapshot<'store> {
+    /// `None` where one was held already, or a transaction is running.
+    db: Option<&'store Database>,
+}
+
+impl<'store> Snapshot<'store> {
+    pub(crate) fn new(db: &'store Database) -> Result<Self> {
+        if !db.conn.is_autocommit() {
+            return Ok(Self { db: None });
+        }
+        db.run("BEGIN DEFERRED")?;
+        Ok(Self { db: Some(db) })
+    }
+}
+
+impl std::fmt::Debug for Snapshot<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Snapshot").finish_non_exhaustive()
+    }
+}
+
+impl Drop for Snapshot<'_> {
+    fn drop(&mut self) {
+        if let Some(db) = self.db {
+            // There is nothing to take back: it only ends.
+            db.run("ROLLBACK").ok();
+        }
     }
 }
 

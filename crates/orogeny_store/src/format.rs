@@ -168,4 +168,6 @@ pub(crate) const SCHEMA: &str = "
         blob  INTEGER NOT NULL REFERENCES blob (id),
         PRIMARY KEY (entry, blob)
     ) STRICT, WITHOUT ROWID;
+
+    CREATE INDEX entry_blob_blob ON entry_blob (blob);
 ";

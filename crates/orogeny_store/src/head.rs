@@ -6,7 +6,7 @@
 //!
 //! | bytes | content |
 //! | --- | --- |
-//! | 0..56, 4096..4152 | two slots, written in turn, so that a torn write leaves the other one: magic, sequence, hash of the `document` row, checksum of these |
+//! | 0..48, 4096..4144 | two slots, written in turn, so that a torn write leaves the other one: magic, sequence, hash of the `document` row, checksum of these |
 //! | 8192.. | JSON: who has the terrain open |
 //!
 //! A clean close removes the file. It stays while a log does: after a kill, and when someone still reads the terrain.
@@ -47,7 +47,7 @@ pub(crate) struct Head {
     file: File,
     terrain: PathBuf,
     next_slot: usize,
-    /// The record is evidence of what was lost: it stays.
+    /// The record may be evidence of something lost: it stays.
     is_evidence: bool,
 }
 
@@ -76,7 +76,7 @@ impl Head {
         write(&mut file).map_err(|err| failed(&err))?;
         let next_slot = last.map_or(0, |(slot, _)| 1 - slot);
         Ok((
-            Self { file, terrain: terrain.to_owned(), next_slot, is_evidence: false },
+            Self { file, terrain: terrain.to_owned(), next_slot, is_evidence: true },
             last.map(|(_, commit)| commit),
         ))
     }
@@ -93,9 +93,9 @@ impl Head {
         }
     }
 
-    /// Leaves the record where it is, whatever becomes of the log.
-    pub(crate) const fn keep(&mut self) {
-        self.is_evidence = true;
+    /// The terrain holds all that the record says: it may go with the log.
+    pub(crate) const fn nothing_is_lost(&mut self) {
+        self.is_evidence = false;
     }
 
     /// Forgets what was acknowledged: what was lost of it is known and accepted.
@@ -147,7 +147,8 @@ fn locked(terrain: &Path, path: &Path) -> Result<File> {
     Err(Error::Busy { path: terrain.to_owned(), holder: None })
 }
 
-/// Whether the path still leads to the file. Elsewhere than on Unix an open file cannot be removed.
+/// Whether the path still leads to the file. Elsewhere than on Unix there is no asking; a name whose file is to be removed
+/// cannot be opened there.
 #[cfg(unix)]
 fn is_still_there(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt as _;
@@ -247,8 +248,11 @@ mod tests {
     fn the_record_stays_with_a_log_and_goes_without_one() {
         let folder = tempfile::tempdir().unwrap();
         let terrain = left_behind(folder.path(), 1..=5);
+        // Whoever does not get as far as comparing them leaves the record.
+        drop(Head::lock(&terrain).unwrap());
         let (mut head, last) = Head::lock(&terrain).unwrap();
         assert_eq!(last, Some(commit(5)));
+        head.nothing_is_lost();
         head.record(&commit(6)).unwrap();
         assert_eq!(Head::read(&terrain).unwrap(), Some(commit(6)));
         std::fs::remove_file(companion(&terrain, "-wal")).unwrap();

@@ -139,6 +139,10 @@ impl Store {
         while steps.len() < count as usize
             && let Some(next) = self.db.next_of(at)?
         {
+            // No checksum covers where redo leads, since that changes; the entry it leads to says what it was done on.
+            if self.db.entry(next)?.parent != Some(at) {
+                return Err(wrong_next(at, next));
+            }
             steps.push((next, Direction::Redo));
             at = next;
         }
@@ -235,39 +239,26 @@ impl Store {
         if steps.is_empty() {
             return Ok(Vec::new());
         }
-        self.refuse_unless_writable()?;
-        self.db.begin()?;
-        match self.travel_in_transaction(steps) {
-            Ok((changes, document, stack)) => self.commit(document, stack).map(|()| changes),
-            Err(err) => {
-                self.db.rollback();
-                Err(err)
+        self.in_commit(|store, document, stack| {
+            let db = &store.db;
+            let mut changes = Vec::with_capacity(steps.len());
+            let mut changed = Changed::new();
+            for (entry, direction) in steps {
+                changes.push(store.step_over(*entry, *direction, &mut changed)?);
+                let parent = db.entry(*entry)?.parent.unwrap_or(EntryId::CREATION);
+                document.head = match direction {
+                    Direction::Undo => parent,
+                    Direction::Redo => *entry,
+                };
+                if *direction == Direction::Redo {
+                    // Where it came from a branch, redo leads there from now on.
+                    db.set_next(parent, Some(*entry))?;
+                }
             }
-        }
-    }
-
-    fn travel_in_transaction(
-        &self,
-        steps: &[(EntryId, Direction)],
-    ) -> Result<(Vec<Change>, Document, Stack)> {
-        let mut document = self.document.clone();
-        let mut changes = Vec::with_capacity(steps.len());
-        let mut changed = Changed::new();
-        for (entry, direction) in steps {
-            changes.push(self.step_over(*entry, *direction, &mut changed)?);
-            let parent = self.db.entry(*entry)?.parent.unwrap_or(EntryId::CREATION);
-            document.head = match direction {
-                Direction::Undo => parent,
-                Direction::Redo => *entry,
-            };
-            if *direction == Direction::Redo {
-                // Where it came from a branch, redo leads there from now on.
-                self.db.set_next(parent, Some(*entry))?;
-            }
-        }
-        let stack = Stack::load(&self.db)?;
-        pyramid::refresh(&self.db, document.grid, document.layout, |key| stack.constant(key), changed)?;
-        Ok((changes, document, stack))
+            *stack = Stack::load(db)?;
+            pyramid::refresh(db, document.grid, document.layout, |key| stack.constant(key), changed)?;
+            Ok(changes)
+        })
     }
 
     /// Undoes or redoes one entry: pages, then layers.
@@ -310,6 +301,11 @@ impl Store {
         }
         Ok(Change { entry, direction, pages, layers_changed: !layer_changes.is_empty() })
     }
+}
+
+fn wrong_next(entry: EntryId, next: EntryId) -> Error {
+    let detail = format!("redo would lead from it to entry {next}, which was not done on it");
+    Error::DamagedHistory { entry, page: None, detail }
 }
 
 /// What a page holds once `delta` is taken away or added, `None` where it is then absent; and which samples of it change.
@@ -410,8 +406,8 @@ impl Tree {
         }
         at = head;
         while let Some(next) = self.0.get(&at).and_then(|links| links.next) {
-            if next <= at || !self.0.contains_key(&next) {
-                return Err(damaged(at, "what redo would go to is missing"));
+            if self.0.get(&next).is_none_or(|links| links.parent != Some(at)) {
+                return Err(wrong_next(at, next));
             }
             states.insert(next, EntryState::Undone);
             at = next;

@@ -2,7 +2,7 @@
 //!
 //! - **Nothing acknowledged is lost.** A [`Transaction`] is an operation: its pages, what they were before, and the
 //!   operation as JSON reach the disk together before [`Transaction::commit`] returns, or not at all.
-//! - **Undo has no end.** [`Store::undo`] and [`Store::redo`] are exact to the bit, across restarts; what is undone and
+//! - **Undo goes back to the beginning**, unless a budget is set. [`Store::undo`] and [`Store::redo`] are exact to the bit, across restarts; what is undone and
 //!   left behind stays in [`Store::log`].
 //! - **Damage is seen and stays where it is.** Every row carries a checksum that covers its place and generation. A
 //!   damaged page is refused by name; the others are not concerned. [`Store::check`] verifies everything.

@@ -54,9 +54,9 @@ enum Outcome {
     Page { content: Content, row: PageRow },
     /// It is absent.
     Absent,
-    /// It cannot be made, and stays as it is: what it is made of is damaged, and so is it, or it is missing. Above it, the
-    /// last whole level stays what it is.
-    AsItIs,
+    /// It cannot be made, since what it is made of is damaged, and so is it, or it is missing. It stays damaged or becomes so:
+    /// that is seen, where its absence would count as the field's constant. Above it, the last whole level stays what it is.
+    Damaged(PageInfo),
 }
 
 /// What a page is made of.
@@ -66,14 +66,13 @@ struct Material {
     /// What has to be made anew.
     rect: SampleRect,
     below: BTreeMap<PageKey, Content>,
-    /// Some of what it is made of is damaged: its samples stay as they are.
-    is_below_damaged: bool,
+    /// Of what it is made of, the pages that are damaged: what reads them stays as it is.
+    damaged_below: Vec<PageKey>,
     /// Of the pages that it covers; `None`: there are none.
     info: Option<PageInfo>,
 }
 
-/// Makes all pages above the changed ones anew, in the running transaction. A page above level 0 among the changed ones is made
-/// anew itself. `constant` gives a field's constant.
+/// Makes all pages above the changed ones anew, in the running transaction. `constant` gives a field's constant.
 pub(crate) fn refresh(
     db: &Database,
     grid: TerrainGrid,
@@ -81,12 +80,9 @@ pub(crate) fn refresh(
     constant: impl Fn(&PageKey) -> f32,
     changed: Changed,
 ) -> Result<()> {
-    let (mut changed, anew): (Changed, Changed) = changed.into_iter().partition(|(key, _)| key.level == 0);
+    let mut changed = changed;
     for level in 1..=layout.top_level(&grid) {
-        let mut above = pages_above(&grid, layout, level, &changed);
-        for (key, rect) in anew.iter().filter(|(key, _)| key.level == level) {
-            note(&mut above, *key, rect);
-        }
+        let above = pages_above(&grid, layout, level, &changed);
         changed = Changed::new();
         let above: Vec<_> = above.into_iter().collect();
         for batch in above.chunks(BATCH_PAGES) {
@@ -112,12 +108,12 @@ pub(crate) fn refresh(
 pub(crate) fn made_from_scratch(db: &Database, plane: &Plane, key: PageKey) -> Result<Option<Content>> {
     let rect = plane.layout.page_rect(&key).intersection(&plane.grid.bounds_at(key.level));
     let material = Material { old: None, ..gather(db, plane, key, rect)? };
-    if material.is_below_damaged {
+    if !material.damaged_below.is_empty() {
         return Err(Error::damaged_page(key, "a page below it is damaged"));
     }
     match material.make(plane)?.outcome {
         Outcome::Page { content, .. } => Ok(Some(content)),
-        Outcome::Absent | Outcome::AsItIs => Ok(None),
+        Outcome::Absent | Outcome::Damaged(_) => Ok(None),
     }
 }
 
@@ -149,16 +145,16 @@ fn gather(db: &Database, plane: &Plane, key: PageKey, rect: SampleRect) -> Resul
     let read = rect_below(&rect).intersection(&grid.bounds_at(level_below));
     let keys: Vec<_> =
         layout.pages_in(read).map(|(x, z)| PageKey { field: key.field, level: level_below, z, x }).collect();
-    let (mut below, mut is_below_damaged) = (BTreeMap::new(), false);
+    let (mut below, mut damaged_below) = (BTreeMap::new(), Vec::new());
     for (key, content) in keys.iter().zip(content::contents(db, layout, &keys)?) {
         match content {
             Ok(content) => below.extend(content.map(|content| (*key, content))),
-            Err(Error::DamagedPage { .. }) => is_below_damaged = true,
+            Err(Error::DamagedPage { .. }) => damaged_below.push(*key),
             Err(err) => return Err(err),
         }
     }
     let info = covered(db, plane, &key)?;
-    Ok(Material { key, old, rect, below, is_below_damaged, info })
+    Ok(Material { key, old, rect, below, damaged_below, info })
 }
 
 /// What the directory says of the four pages that a page covers; `None` where there are none.
@@ -190,8 +186,10 @@ impl PageInfo {
 impl Material {
     fn make(self, plane: &Plane) -> Result<Made> {
         let Plane { layout, constant, .. } = *plane;
-        if self.is_below_damaged && self.old.is_none() {
-            return Ok(Made { key: self.key, outcome: Outcome::AsItIs, changed: SampleRect::EMPTY });
+        if !self.damaged_below.is_empty() && self.old.is_none() {
+            let flat = PageInfo { revision: EntryId::CREATION, bounds: HeightBounds::of(constant) };
+            let outcome = Outcome::Damaged(self.info.unwrap_or(flat));
+            return Ok(Made { key: self.key, outcome, changed: SampleRect::EMPTY });
         }
         let flat;
         let before = match &self.old {
@@ -202,8 +200,19 @@ impl Material {
             }
         };
         let mut after = before.clone();
-        if !self.is_below_damaged {
-            self.coarsen(plane, &mut after);
+        self.coarsen(plane, &mut after);
+        for damaged in &self.damaged_below {
+            let page_rect = layout.page_rect(&self.key);
+            let kept = rect_above(&layout.page_rect(damaged)).intersection(&page_rect);
+            let columns = (kept.x0.abs_diff(page_rect.x0), kept.x1.abs_diff(page_rect.x0));
+            for z in kept.z0..kept.z1 {
+                let row = z.abs_diff(page_rect.z0);
+                if let (Some(from), Some(to)) =
+                    (before.row(row, columns.0, columns.1), after.row_mut(row, columns.0, columns.1))
+                {
+                    to.copy_from_slice(from);
+                }
+            }
         }
         let changed = changed_rect(layout, &self.key, before.samples(), after.samples());
         let reaches_into = || after.samples().iter().any(|height_m| height_m.to_bits() != constant.to_bits());
@@ -285,7 +294,12 @@ fn write(db: &Database, made: &Made) -> Result<()> {
                 db.delete_page(&made.key)?;
             }
         }
-        Outcome::AsItIs => {}
+        Outcome::Damaged(info) => {
+            cache.forget(&made.key);
+            if db.page_info(&made.key)?.is_none() {
+                db.insert_damaged_page(made.key, *info)?;
+            }
+        }
     }
     Ok(())
 }

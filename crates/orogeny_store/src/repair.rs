@@ -45,26 +45,21 @@ impl Store {
             Err(err) => return Err(err),
         }
         let problems = store.check()?.problems;
+        let (grid, layout) = (store.grid(), store.layout());
         let damaged: BTreeSet<PageKey> = problems
-            .into_iter()
+            .iter()
             .filter_map(|problem| match problem {
-                Error::DamagedPage { key, .. } => Some(key),
+                Error::DamagedPage { key, .. } => Some(*key),
                 _ => None,
             })
+            .filter(|key| layout.has_page(&grid, key))
             .collect();
-        if !damaged.is_empty() {
-            store.db.begin()?;
-            match store.repair_pages(&damaged, &mut repaired) {
-                Ok(()) => {
-                    let (mut document, stack) = (store.document.clone(), store.stack.clone());
-                    document.history_bytes = store.db.history_bytes()?;
-                    store.commit(document, stack)?;
-                }
-                Err(err) => {
-                    store.db.rollback();
-                    return Err(err);
-                }
-            }
+        if !problems.is_empty() {
+            repaired = store.in_commit(|store, document, _| {
+                store.repair_pages(&damaged, &mut repaired)?;
+                document.history_bytes = store.db.history_bytes()?;
+                Ok(repaired)
+            })?;
         }
         store.close()?;
         Ok(repaired)
@@ -95,18 +90,16 @@ impl Store {
             }
         }
         self.db.cache.borrow_mut().clear();
+        let (grid, layout) = (self.grid(), self.layout());
+        let mut below = Changed::new();
         for field in self.stack.fields.keys() {
-            let keys = self.db.page_keys(*field)?;
-            let grid = self.grid();
-            below.extend(
-                keys.into_iter()
-                    .filter(|key| key.level == 0)
-                    .map(|key| (key, self.layout().page_rect(&key).intersection(&grid.bounds()))),
-            );
+            let keys = self.db.page_keys_as_far_as_possible(*field, &mut Vec::new());
+            let keys = keys.into_iter().filter(|key| layout.has_page(&grid, key));
+            below.extend(keys.map(|key| (key, layout.page_rect(&key).intersection(&grid.bounds()))));
         }
         if repaired.levels_made_anew || !repaired.pages_from_history.is_empty() {
             let constant = |key: &PageKey| self.stack.constant(key);
-            pyramid::refresh(&self.db, self.grid(), self.layout(), constant, below)?;
+            pyramid::refresh(&self.db, grid, layout, constant, below)?;
         }
         Ok(())
     }

@@ -51,14 +51,16 @@ impl Store {
         let source = Self::reader(db, document, stack);
         let Document { grid, layout, .. } = source.document;
         let mut target = Self::create(to, &NewTerrain { grid, layout, layers: Vec::new() })?;
-        let mut transaction = target.begin()?;
-        for layer in &source.stack.layers {
-            copy_layer(&source, layer, &mut transaction, &mut salvaged)?;
-        }
-        let name = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let operation = serde_json::json!({ "op": "salvage", "from": name });
-        transaction.commit(&operation.to_string(), "")?;
-        target.close()?;
+        let copied = target.begin().and_then(|mut transaction| {
+            for layer in &source.stack.layers {
+                copy_layer(&source, layer, &mut transaction, &mut salvaged)?;
+            }
+            let name = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let operation = serde_json::json!({ "op": "salvage", "from": name });
+            transaction.commit(&operation.to_string(), "")
+        });
+        // A part of what is left must not look like all of it.
+        copied.and_then(|_| target.close()).inspect_err(|_| _ = std::fs::remove_file(to))?;
         Ok(salvaged)
     }
 }
@@ -84,6 +86,11 @@ fn copy_layer(
     salvaged: &mut Salvaged,
 ) -> Result<()> {
     let constant_m = layer.constant_m;
+    let mut layer = layer.clone();
+    if crate::layer::check_name(&layer.name).is_err() {
+        salvaged.problems.push(format!("layer {} has no name that can be", layer.id));
+        layer.name = format!("Layer {}", layer.id);
+    }
     let made = transaction.add_layer(&NewLayer { name: layer.name.clone(), constant_m })?;
     copy_pages(source, layer.heights, made.heights, transaction, salvaged)?;
     let mut copy = Layer { mask: None, id: made.id, ..layer.clone() };
@@ -104,6 +111,11 @@ fn copy_pages(
     salvaged: &mut Salvaged,
 ) -> Result<()> {
     let keys = source.db.page_keys_as_far_as_possible(from, &mut salvaged.problems);
+    let (grid, layout) = (source.grid(), source.layout());
+    let (keys, beyond): (Vec<_>, Vec<_>) = keys.into_iter().partition(|key| layout.has_page(&grid, key));
+    if !beyond.is_empty() {
+        salvaged.problems.push(format!("{} pages lie beyond the terrain", beyond.len()));
+    }
     for batch in keys.chunks(content::pages_per_batch(source.layout())) {
         let mut pages: Vec<(PageKey, Arc<Page>)> = Vec::with_capacity(batch.len());
         for key in batch {

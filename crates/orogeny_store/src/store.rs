@@ -7,7 +7,7 @@ use std::time::SystemTime;
 
 use orogeny_field::{FieldId, HeightBounds, Page, PageKey, PageLayout, TerrainGrid};
 
-use crate::database::Database;
+use crate::database::{Database, Snapshot};
 use crate::error::unix_ms;
 use crate::head::{Head, LastCommit};
 use crate::rows::{Document, EntryRow, LayerChange};
@@ -81,10 +81,15 @@ impl Store {
             }
             db.write_document(&document)
         })?;
-        let (head, _) = Head::lock(db.path())?;
-        let mut store = Self::writer(db, head, document, stack);
-        store.acknowledge()?;
-        Ok(store)
+        let path = db.path().to_owned();
+        let started = Head::lock(&path).and_then(|(head, _)| {
+            let mut store = Self::writer(db, head, document, stack);
+            // A record that an older terrain of that name left behind says nothing about this one.
+            store.accept_what_was_lost()?;
+            Ok(store)
+        });
+        // The first error is the one to report.
+        started.inspect_err(|_| _ = std::fs::remove_file(&path))
     }
 
     /// Opens a terrain file for writing, in time independent of its size. A log that a killed process left is taken up:
@@ -97,11 +102,11 @@ impl Store {
     pub fn open(path: &Path) -> Result<Self> {
         let (mut store, acknowledged) = Self::open_whatever_was_lost(path)?;
         if let Err(err) = store.document.check_commit(store.path(), acknowledged.as_ref()) {
-            // What is left of the log, and the record, stay as they are.
+            // What is left of the log stays as it is, and so does the record.
             store.db.keep_log()?;
-            store.head.iter_mut().for_each(Head::keep);
             return Err(err);
         }
+        store.head.iter_mut().for_each(Head::nothing_is_lost);
         Ok(store)
     }
 
@@ -228,7 +233,7 @@ impl Store {
     }
 
     /// Lowest and highest height, at full resolution and within the terrain, of what a page of any level covers; `None`
-    /// where that is all the field's constant. Reads no page.
+    /// where that is all the field's constant. Reads no page, so it does not notice damage, which only the check does.
     ///
     /// # Errors
     /// When the directory cannot be read.
@@ -275,8 +280,15 @@ impl Store {
     /// # Errors
     /// [`Error::OpenedToRead`]; [`Error::DiskFailed`] when the disk failed before.
     pub fn begin(&mut self) -> Result<Transaction<'_>> {
-        self.refuse_unless_writable()?;
         Transaction::start(self)
+    }
+
+    /// Keeps what this store reads as it is now, until the answer is dropped: whatever a writer beside it commits.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn snapshot(&self) -> Result<Snapshot<'_>> {
+        Snapshot::new(&self.db)
     }
 
     /// Looks again at what a writer may have changed.
@@ -308,6 +320,12 @@ impl Store {
         self.db.counters.get()
     }
 
+    /// Keeps no more than so many bytes of decoded pages in memory; [`MAX_CACHE_BYTES`](crate::MAX_CACHE_BYTES) is the most
+    /// that is ever kept.
+    pub fn limit_cache(&self, max_bytes: u64) {
+        self.db.cache.borrow_mut().limit(max_bytes);
+    }
+
     /// Bytes of decoded pages kept in memory.
     #[must_use]
     pub fn cached_bytes(&self) -> u64 {
@@ -325,6 +343,47 @@ impl Store {
         }
     }
 
+    /// Starts a transaction of the database that may write.
+    pub(crate) fn begin_database(&self) -> Result<()> {
+        self.refuse_unless_writable()?;
+        self.db.begin()?;
+        // The lock keeps other writers out, unless someone removes its file: then the first to see the other one stops.
+        let is_ours = self.db.document().map(|document| document.sequence == self.document.sequence);
+        if !matches!(is_ours, Ok(true)) {
+            self.db.rollback();
+        }
+        match is_ours? {
+            true => Ok(()),
+            false => Err(Error::Busy { path: self.path().to_owned(), holder: None }),
+        }
+    }
+
+    /// Runs `work` as one commit, which is on disk when this returns: all of it, or nothing. `work` may change the document
+    /// and the layers that the commit leaves.
+    pub(crate) fn in_commit<T>(
+        &mut self,
+        work: impl FnOnce(&Self, &mut Document, &mut Stack) -> Result<T>,
+    ) -> Result<T> {
+        self.begin_database()?;
+        let (mut document, mut stack) = (self.document.clone(), self.stack.clone());
+        match work(self, &mut document, &mut stack) {
+            Ok(value) => self.commit(document, stack).map(|()| value),
+            Err(err) => {
+                self.db.rollback();
+                Err(err)
+            }
+        }
+    }
+
+    /// Remembers that the disk failed: what it holds is not known until it is read again.
+    pub(crate) fn note_disk_failure(&mut self, err: &Error) -> Result<()> {
+        if let Error::Io { detail, .. } = err {
+            self.disk_failure = Some(detail.clone());
+            self.db.keep_log()?;
+        }
+        Ok(())
+    }
+
     /// Ends the running transaction as one commit that leaves `document`, which is on disk when this returns.
     pub(crate) fn commit(&mut self, mut document: Document, stack: Stack) -> Result<()> {
         document.sequence = self.document.sequence + 1;
@@ -333,10 +392,7 @@ impl Store {
             self.db.rollback();
             // What of it reached the disk is not known, and a second attempt that the system calls good proves nothing:
             // it may have dropped what it could not write.
-            if let Error::Io { detail, .. } = &err {
-                self.disk_failure = Some(detail.clone());
-                self.db.keep_log()?;
-            }
+            self.note_disk_failure(&err)?;
             return Err(err);
         }
         self.document = document;
@@ -348,6 +404,7 @@ impl Store {
     pub(crate) fn accept_what_was_lost(&mut self) -> Result<()> {
         if let Some(head) = &mut self.head {
             head.forget().map_err(|err| Error::from_io(self.db.path(), &err))?;
+            head.nothing_is_lost();
         }
         self.acknowledge()
     }

@@ -71,7 +71,7 @@ impl<'store> Transaction<'store> {
     pub(crate) fn start(store: &'store mut Store) -> Result<Self> {
         let mut document = store.document.clone();
         let entry = document.next_entry()?;
-        store.db.begin()?;
+        store.begin_database()?;
         let (stack, changed) = (store.stack.clone(), Changed::new());
         Ok(Self { store, document, stack, entry, changed, is_failed: false, is_committed: false })
     }

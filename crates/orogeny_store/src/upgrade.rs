@@ -12,14 +12,14 @@ use crate::database::Database;
 use crate::pyramid::{self, Changed};
 use crate::rows::{Document, PageInfo, PageRow};
 use crate::store::Stack;
-use crate::{EntryId, Error, Field, FieldKind, Result, content, format};
+use crate::{EntryId, Error, Field, FieldKind, Result, codec, content, format};
 
 /// What version 2 makes anew; its rows come from tables that are renamed meanwhile.
 const RENAMED: [&str; 3] = ["document", "field", "page"];
 
 /// Brings a file of version 1 up to date.
 pub(crate) fn from_version_1(db: &Database) -> Result<()> {
-    // Rows name the tables that are made anew; they name the new ones in the end, which is checked.
+    // Rows name the tables that are made anew, and the new ones in the end.
     db.run("PRAGMA foreign_keys = OFF")?;
     db.in_transaction(|| {
         for table in RENAMED {
@@ -120,8 +120,15 @@ fn pages(db: &Database, document: &Document) -> Result<Changed> {
             statement.query_map([], key)?.collect()
         })
         .map_err(|err| db.fault(err))?;
+    // One that no terrain has is not taken along.
+    let keys: Vec<_> = keys.into_iter().filter(|key| layout.has_page(&grid, key)).collect();
     for key in &keys {
-        let (row, data, checksum) = page(db, key)?;
+        let Some((row, data, checksum)) = page(db, layout, key)? else {
+            // Its bytes are missing, or make no sense.
+            let bounds = HeightBounds::of(0.0);
+            db.insert_damaged_page(*key, PageInfo { revision: EntryId::CREATION, bounds })?;
+            continue;
+        };
         let hasher = RowHasher::new("page").place(key).number(row.info.revision.0.into());
         let is_whole = hasher.number(row.codec.into()).bytes(&row.bytes).finish() == checksum;
         match content::decode_page(layout, &row) {
@@ -136,18 +143,24 @@ fn pages(db: &Database, document: &Document) -> Result<Changed> {
     Ok(keys.into_iter().map(|key| (key, layout.page_rect(&key).intersection(&bounds))).collect())
 }
 
-/// A page of version 1, the number of its bytes, and its checksum.
-fn page(db: &Database, key: &PageKey) -> Result<(PageRow, i64, Checksum)> {
-    db.statement(
+/// A page of version 1, the number of its bytes, and its checksum; `None` where they are not what they must be.
+fn page(db: &Database, layout: PageLayout, key: &PageKey) -> Result<Option<(PageRow, i64, Checksum)>> {
+    let page = db.statement(
         "SELECT revision, codec, data, checksum, bytes FROM page_1 JOIN page_data ON page_data.id = page_1.data
-         WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4",
+         WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4 AND length(bytes) <= ?5",
     )
     .and_then(|mut statement| {
-        statement.query_row(params![key.field.0, key.level, key.z, key.x], |row| {
+        let max_bytes = codec::max_size_in_bytes(layout.num_samples());
+        let place = params![key.field.0, key.level, key.z, key.x, i64::try_from(max_bytes).unwrap_or(i64::MAX)];
+        statement.query_row(place, |row| {
             let info = PageInfo { revision: EntryId(row.get(0)?), bounds: HeightBounds::of(0.0) };
             let page = PageRow { key: *key, info, codec: row.get(1)?, bytes: row.get(4)? };
             Ok((page, row.get(2)?, row.get(3)?))
         })
-    })
-    .map_err(|err| db.fault(err))
+    });
+    match page.map_err(|err| db.fault(err)) {
+        Ok(page) => Ok(Some(page)),
+        Err(Error::Damaged { .. }) => Ok(None),
+        Err(err) => Err(err),
+    }
 }

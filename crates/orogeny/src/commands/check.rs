@@ -69,10 +69,12 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
 fn lines_of(repaired: &Repaired) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some((found, acknowledged)) = repaired.lost_commits {
-        lines.push(format!(
-            "commits {} to {acknowledged} are lost; it goes on from commit {found}",
-            found + 1
-        ));
+        lines.push(match acknowledged > found {
+            true => {
+                format!("commits {} to {acknowledged} are lost; it goes on from commit {found}", found + 1)
+            }
+            false => format!("it is not the terrain that was last open here; it goes on from commit {found}"),
+        });
     }
     for key in &repaired.pages_from_history {
         lines.push(format!(

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel, sync_channel};
 use std::thread::JoinHandle;
 
-use orogeny_field::{Page, PageKey, PageLayout, TerrainGrid};
+use orogeny_field::{Page, PageKey, PageLayout};
 
 use crate::{Change, Dropped, EntryId, Error, Layer, NewLayer, Result, Store, Transaction};
 use state::{Kept, Shared};
@@ -48,6 +48,8 @@ pub struct Recording<'recorder> {
     layers: Vec<Layer>,
     last_entry: EntryId,
     is_finished: bool,
+    /// Something went wrong that was told: it can only be dropped.
+    is_failed: bool,
 }
 
 impl Recorder {
@@ -98,7 +100,7 @@ impl Recorder {
         let number = self.shared.lock().add_entry();
         self.send(Task::Begin)?;
         let (layers, last_entry) = (self.on_disk()?.layers().to_vec(), self.last_entry);
-        Ok(Recording { recorder: self, number, layers, last_entry, is_finished: false })
+        Ok(Recording { recorder: self, number, layers, last_entry, is_finished: false, is_failed: false })
     }
 
     /// Waits until everything finished is on disk.
@@ -107,7 +109,8 @@ impl Recorder {
     /// What went wrong with the last operation, which was not made durable; the terrain is as before it.
     pub fn flush(&mut self) -> Result<()> {
         self.shared.wait_until_durable();
-        self.take_failure()
+        self.take_failure()?;
+        self.look_again()
     }
 
     /// Waits until everything finished is on disk, or has failed to come there, which [`Self::flush`] tells.
@@ -246,14 +249,6 @@ impl Recording<'_> {
         Ok(self.recorder.on_disk()?.layout())
     }
 
-    /// Size and sample spacing.
-    ///
-    /// # Errors
-    /// [`Error::WriterGone`].
-    pub fn grid(&self) -> Result<TerrainGrid> {
-        Ok(self.recorder.on_disk()?.grid())
-    }
-
     /// The layers, from the bottom, with those added here.
     #[must_use]
     pub fn layers(&self) -> &[Layer] {
@@ -279,9 +274,19 @@ impl Recording<'_> {
     fn load(&mut self, key: &PageKey, before: Option<u64>) -> Result<Option<Arc<Page>>> {
         match self.recorder.load(key, before) {
             // Why it failed is what there is to say.
-            Err(Error::TransactionFailed) => self.recorder.take_failure().and(Err(Error::TransactionFailed)),
+            Err(Error::TransactionFailed) => self.refuse_after_failure().and(Err(Error::TransactionFailed)),
             result => result,
         }
+    }
+
+    /// What went wrong, once; after that only that something did.
+    fn refuse_after_failure(&mut self) -> Result<()> {
+        if self.is_failed {
+            return Err(Error::TransactionFailed);
+        }
+        let result = self.recorder.take_failure();
+        self.is_failed = result.is_err();
+        result
     }
 
     /// Hands over changed pages; waits while painting is too far ahead. What is wrong with them may come to light only
@@ -292,7 +297,7 @@ impl Recording<'_> {
     pub fn write_pages(&mut self, pages: Vec<(PageKey, Page)>) -> Result<()> {
         let pages: Vec<_> = pages.into_iter().map(|(key, page)| (key, Arc::new(page))).collect();
         self.recorder.shared.wait_for_room(self.recorder.max_pending_bytes);
-        self.recorder.take_failure()?;
+        self.refuse_after_failure()?;
         self.recorder.shared.lock().add_pages(self.number, &pages);
         self.recorder.send(Task::Write { number: self.number, pages })
     }
@@ -322,7 +327,7 @@ impl Recording<'_> {
         match replied.recv() {
             Ok(result) => result,
             // The transaction had failed, so that nothing was run on it.
-            Err(_) => self.recorder.take_failure().and(Err(Error::TransactionFailed)),
+            Err(_) => self.refuse_after_failure().and(Err(Error::TransactionFailed)),
         }
     }
 
@@ -331,6 +336,7 @@ impl Recording<'_> {
     /// # Errors
     /// As [`Self::write_pages`].
     pub fn record(&mut self, operation_json: String, author: &str) -> Result<EntryId> {
+        self.refuse_after_failure()?;
         let author = author.to_owned();
         self.recorder.send(Task::Record { operation_json, author })?;
         self.number = self.recorder.shared.lock().add_entry();
@@ -344,7 +350,7 @@ impl Recording<'_> {
     /// What went wrong with the operation before it, or with this one as far as is known: neither was made durable.
     pub fn finish(mut self) -> Result<()> {
         self.recorder.shared.wait_until_durable();
-        self.recorder.take_failure()?;
+        self.refuse_after_failure()?;
         self.recorder.shared.lock().num_commits_under_way += 1;
         self.recorder.send(Task::Commit { last_number: self.number })?;
         self.is_finished = true;
@@ -353,8 +359,7 @@ impl Recording<'_> {
             return Ok(());
         }
         // Layers are rare: everyone sees a new one at once.
-        self.recorder.flush()?;
-        self.recorder.look_again()
+        self.recorder.flush()
     }
 }
 

@@ -61,9 +61,8 @@ fn serve(mut store: Store, tasks: &Receiver<Task>, gone: &Gone) -> Result<()> {
             Task::WithStore(work) => work(&mut store),
             // Of a transaction that is not there: nothing is left of it to be done.
             Task::Write { .. } | Task::WithTransaction(_) | Task::Record { .. } => {}
-            Task::Commit { last_number } | Task::Abort { last_number } => {
-                gone.0.change(|state| state.forget_up_to(last_number))
-            }
+            Task::Commit { last_number } => commit(None, last_number, &gone.0),
+            Task::Abort { last_number } => gone.0.change(|state| state.forget_up_to(last_number)),
         }
         let cached_bytes = store.cached_bytes();
         gone.0.change(|state| state.cached_bytes = cached_bytes);

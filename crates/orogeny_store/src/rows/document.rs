@@ -137,7 +137,7 @@ impl Database {
             sequence: i64,
             ids: [u32; 5],
             history: (i64, Option<i64>),
-            checksum: Checksum,
+            checksum: Vec<u8>,
         }
         let row: Row = self
             .statement(
@@ -176,7 +176,7 @@ impl Database {
             history_bytes: history_bytes.cast_unsigned(),
             history_budget: history_budget.map(i64::cast_unsigned),
         };
-        let is_whole = document.checksum() == row.checksum;
+        let is_whole = document.checksum() == *row.checksum;
         Ok((document, is_whole))
     }
 

@@ -224,6 +224,14 @@ impl Database {
         Ok(())
     }
 
+    /// Puts a page into the directory that is there and cannot be made.
+    pub(crate) fn insert_damaged_page(&self, key: PageKey, info: PageInfo) -> Result<()> {
+        let insert = self.statement("INSERT INTO page_data (bytes) VALUES (x'')");
+        let data = insert.and_then(|mut statement| statement.insert([])).map_err(|err| self.fault(err))?;
+        let row = PageRow { key, info, codec: codec::WRITTEN, bytes: Vec::new() };
+        self.insert_damaged_page_info(&row, data)
+    }
+
     fn write_page_info(&self, page: &PageRow, data: i64) -> rusqlite::Result<()> {
         let PageRow { key, info: PageInfo { revision, bounds }, codec, bytes } = page;
         let checksum = checksum::of_page(key, *revision, bounds, *codec, bytes);

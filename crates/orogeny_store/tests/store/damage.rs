@@ -190,6 +190,41 @@ fn a_damaged_delta_stops_undo_before_anything_changes() {
     }
 }
 
+/// No checksum covers where redo leads.
+#[test]
+fn redo_goes_only_to_what_was_done_next() {
+    for sql in ["UPDATE entry SET next = 6 WHERE id = 0", "UPDATE entry SET next = 0 WHERE id = 0"] {
+        let whole = Whole::new();
+        whole.open().undo(u32::MAX).unwrap();
+        whole.sql(sql);
+        let mut store = whole.open();
+        let err = store.redo(u32::MAX).unwrap_err();
+        assert!(matches!(err, Error::DamagedHistory { entry, .. } if entry.0 == 0), "{sql}: {err}");
+        assert!(!store.check().unwrap().problems.is_empty(), "{sql}");
+        assert!(contents(&store, whole.layers[0].heights).is_empty(), "{sql}");
+    }
+}
+
+#[test]
+fn painting_goes_on_over_a_budget_that_damage_keeps_the_history_from() {
+    for sql in ["UPDATE entry SET author = 'x' WHERE id = 2", "UPDATE entry SET parent = 5 WHERE id = 2"] {
+        let whole = Whole::new();
+        let mut store = whole.open();
+        let size = store.history_summary().unwrap().size_in_bytes;
+        store.set_history_budget(Some(size)).unwrap();
+        store.close().unwrap();
+        whole.sql(sql);
+        let mut store = whole.open();
+        let at = key(&store, 3, 1);
+        for seed in 30..33 {
+            commit(&mut store, &[(at, page(seed))]);
+        }
+        assert_eq!(bits(&store.load_page(&at).unwrap().unwrap()), bits(&page(32)));
+        assert!(store.history_summary().is_err() || store.history_summary().unwrap().size_in_bytes > size);
+        assert!(!store.check().unwrap().problems.is_empty());
+    }
+}
+
 #[test]
 fn rows_that_say_what_the_terrain_is_are_checked() {
     for sql in [

@@ -97,3 +97,54 @@ fn a_log_that_lost_its_end_is_damage() {
     assert_eq!(store.log().unwrap().last().unwrap().id, EntryId(5));
     assert_whole(&store);
 }
+
+#[test]
+fn a_snapshot_stays_while_others_commit() {
+    let scratch = Scratch::new();
+    let mut writer = scratch.create();
+    let at = key(&writer, 0, 0);
+    commit(&mut writer, &[(at, page(1))]);
+    let reader = Store::open_to_read(&scratch.path()).unwrap();
+    let snapshot = reader.snapshot().unwrap();
+    assert_eq!(bits(&reader.load_page(&at).unwrap().unwrap()), bits(&page(1)));
+    commit(&mut writer, &[(at, page(2))]);
+    assert_eq!(bits(&reader.load_page(&at).unwrap().unwrap()), bits(&page(1)));
+    // One within another is the same.
+    assert_eq!(reader.log().unwrap().len(), 1);
+    drop(snapshot);
+    assert_eq!(bits(&reader.load_page(&at).unwrap().unwrap()), bits(&page(2)));
+}
+
+#[test]
+fn what_an_older_terrain_left_behind_says_nothing_about_a_new_one() {
+    let scratch = Scratch::new();
+    let mut store = scratch.create();
+    let at = key(&store, 0, 0);
+    for seed in 1..5 {
+        commit(&mut store, &[(at, page(seed))]);
+    }
+    let left_behind = std::fs::read(scratch.folder().join("terrain.orogeny-head")).unwrap();
+    drop(store);
+    std::fs::remove_file(scratch.path()).unwrap();
+    std::fs::write(scratch.folder().join("terrain.orogeny-head"), left_behind).unwrap();
+    let mut store = scratch.create();
+    assert!(Store::open_to_read(&scratch.path()).is_ok());
+    commit(&mut store, &[(at, page(9))]);
+    store.close().unwrap();
+    assert_whole(&Store::open(&scratch.path()).unwrap());
+}
+
+#[test]
+fn a_second_writer_that_got_past_the_lock_is_seen() {
+    let scratch = Scratch::new();
+    let mut one = scratch.create();
+    let at = key(&one, 0, 0);
+    commit(&mut one, &[(at, page(1))]);
+    std::fs::remove_file(scratch.folder().join("terrain.orogeny-head")).unwrap();
+    let mut two = Store::open(&scratch.path()).unwrap();
+    commit(&mut two, &[(at, page(2))]);
+    assert!(matches!(one.begin(), Err(Error::Busy { .. })));
+    assert!(matches!(one.undo(1), Err(Error::Busy { .. })));
+    assert_eq!(two.undo(2).unwrap().len(), 2);
+    assert_whole(&two);
+}

@@ -184,6 +184,56 @@ fn repair_never_takes_what_is_left_of_a_lost_page() {
     }
 }
 
+/// From afar, ground that was painted beside damage is seen as painted, or as damaged: never as bare.
+#[test]
+fn fresh_ground_beside_damage_is_not_shown_as_bare_from_afar() {
+    for reaches_beyond_its_edge in [false, true] {
+        let scratch = Scratch::new();
+        let mut store = scratch.create();
+        let (damaged, fresh) = (key(&store, 1, 0), key(&store, 2, 0));
+        let mut ground = Page::constant(layout(), 100.0);
+        ground.samples_mut()[20] = 300.0;
+        // The page above the fresh one is there already, or not.
+        ground.samples_mut()[63] = if reaches_beyond_its_edge { 500.0 } else { 100.0 };
+        commit(&mut store, &[(damaged, ground)]);
+        store.close().unwrap();
+        damage(&scratch, &damaged);
+        let mut store = Store::open(&scratch.path()).unwrap();
+        commit(&mut store, &[(fresh, page(2))]);
+        assert_eq!(bits(&store.load_page(&fresh).unwrap().unwrap()), bits(&page(2)));
+        // Its first column reads the damaged page.
+        let above = fresh.parent();
+        let shown = store.load_page(&above);
+        if reaches_beyond_its_edge {
+            let row = shown.unwrap().unwrap().row(10, 0, 32).unwrap().to_vec();
+            assert!(row.iter().skip(1).all(|height_m| *height_m != 100.0), "{row:?}");
+        } else {
+            assert!(matches!(shown, Err(Error::DamagedPage { key, .. }) if key == above));
+        }
+        store.close().unwrap();
+        let repaired = Store::repair(&scratch.path()).unwrap();
+        assert_eq!(repaired.pages_from_history, [damaged]);
+        let store = Store::open(&scratch.path()).unwrap();
+        assert!(store.load_page(&above).unwrap().is_some());
+        assert_whole(&store);
+    }
+}
+
+#[test]
+fn a_wrong_sum_of_the_history_is_put_right() {
+    let scratch = Scratch::new();
+    painted(&scratch);
+    sql(&scratch, "DELETE FROM delta WHERE entry = 17");
+    assert!(!Store::check_file(&scratch.path()).unwrap().problems.is_empty());
+    Store::repair(&scratch.path()).unwrap();
+    // The delta is gone for good, and named; the sum fits again.
+    let problems = Store::check_file(&scratch.path()).unwrap().problems;
+    assert!(
+        !problems.is_empty() && problems.iter().all(|p| !p.to_string().contains("its history takes")),
+        "{problems:?}"
+    );
+}
+
 #[test]
 fn what_is_left_of_a_badly_damaged_terrain_is_saved_layer_by_layer() {
     let scratch = Scratch::new();
