@@ -13,3 +13,4 @@ mod opening;
 mod operations;
 mod readers;
 mod support;
+mod upgrade;
