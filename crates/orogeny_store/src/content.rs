@@ -11,7 +11,7 @@ use crate::rows::{DeltaRow, PageInfo, PageRow};
 use crate::{EntryId, Error, Result, codec};
 
 /// Bytes of uncoded pages that are worked on at once: enough for all cores, little beside any budget.
-const BATCH_BYTES: u64 = 16 << 20;
+const BATCH_BYTES: u64 = 8 << 20;
 
 /// How many pages are read, coded and written together.
 pub(crate) fn pages_per_batch(layout: PageLayout) -> usize {
@@ -75,7 +75,11 @@ pub(crate) fn page_from_ordered(layout: PageLayout, ordered: &[u32]) -> Result<P
 
 /// Pages as they are, decoded on all cores and remembered by a writer; `None` where a page is absent. A page that cannot be
 /// trusted comes as its error.
-pub(crate) fn contents(db: &Database, layout: PageLayout, keys: &[PageKey]) -> Result<Vec<Result<Option<Content>>>> {
+pub(crate) fn contents(
+    db: &Database,
+    layout: PageLayout,
+    keys: &[PageKey],
+) -> Result<Vec<Result<Option<Content>>>> {
     enum Found {
         Here(Content),
         Row(Option<PageRow>),

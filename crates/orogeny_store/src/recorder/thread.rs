@@ -6,8 +6,8 @@ use std::thread::{Builder, JoinHandle};
 
 use orogeny_field::{Page, PageKey};
 
-use super::state::Shared;
-use crate::{Error, Result, Store, Transaction};
+use super::state::{Shared, State};
+use crate::{Committed, Error, Result, Store, Transaction};
 
 /// What the thread is asked to do.
 pub(super) enum Task {
@@ -54,14 +54,24 @@ pub(super) fn start(
 fn serve(mut store: Store, tasks: &Receiver<Task>, gone: &Gone) -> Result<()> {
     while let Ok(task) = tasks.recv() {
         match task {
-            Task::Begin => serve_transaction(&mut store, tasks, &gone.0),
+            Task::Begin => {
+                let ended = serve_transaction(&mut store, tasks, &gone.0);
+                let cached_bytes = store.cached_bytes();
+                // Whoever waits for the end is not to see what was remembered before it.
+                gone.0.change(|state| {
+                    state.cached_bytes = cached_bytes;
+                    ended.into_iter().for_each(|ended| ended.tell(state));
+                });
+            }
             Task::Load { key, reply, .. } => {
                 reply.send(store.load_page(&key)).ok();
             }
             Task::WithStore(work) => work(&mut store),
             // Of a transaction that is not there: nothing is left of it to be done.
             Task::Write { .. } | Task::WithTransaction(_) | Task::Record { .. } => {}
-            Task::Commit { last_number } | Task::Abort { last_number } => gone.0.change(|state| state.forget_up_to(last_number)),
+            Task::Commit { last_number } | Task::Abort { last_number } => {
+                gone.0.change(|state| state.forget_up_to(last_number))
+            }
         }
         let cached_bytes = store.cached_bytes();
         gone.0.change(|state| state.cached_bytes = cached_bytes);
@@ -69,8 +79,41 @@ fn serve(mut store: Store, tasks: &Receiver<Task>, gone: &Gone) -> Result<()> {
     store.close()
 }
 
-/// One transaction, from its start to its end. After a failure its tasks are only counted off.
-fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared) {
+/// How a transaction ended.
+enum Ended {
+    /// `None`: it had failed before, and what went wrong is known already.
+    Commit {
+        last_number: u64,
+        result: Option<Result<Committed>>,
+    },
+    Abort {
+        last_number: u64,
+    },
+}
+
+impl Ended {
+    fn tell(self, state: &mut State) {
+        match self {
+            Self::Abort { last_number } => state.forget_up_to(last_number),
+            Self::Commit { last_number, result } => {
+                state.num_commits_under_way -= 1;
+                state.forget_up_to(last_number);
+                match result {
+                    Some(Ok(committed)) => {
+                        state.dropped.entries.extend(committed.dropped.entries);
+                        state.dropped.size_in_bytes += committed.dropped.size_in_bytes;
+                    }
+                    Some(Err(err)) => state.fail(err),
+                    None => {}
+                }
+            }
+        }
+    }
+}
+
+/// One transaction, from its start to its end; `None` where no one is left to end it. After a failure its tasks are only
+/// counted off.
+fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared) -> Option<Ended> {
     let mut transaction = match store.begin() {
         Ok(transaction) => Some(transaction),
         Err(err) => {
@@ -81,7 +124,8 @@ fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared)
     while let Ok(task) = tasks.recv() {
         let result = match (task, &mut transaction) {
             (Task::Write { number, pages }, transaction) => {
-                let written = transaction.as_mut().map_or(Ok(()), |transaction| transaction.write_pages(&pages));
+                let written =
+                    transaction.as_mut().map_or(Ok(()), |transaction| transaction.write_pages(&pages));
                 shared.change(|state| state.pages_written(number, &pages));
                 written
             }
@@ -98,11 +142,12 @@ fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared)
                 transaction.record(&operation_json, &author).map(|_| ())
             }
             (Task::Commit { last_number }, transaction) => {
-                return commit(transaction.take(), last_number, shared);
+                let result = transaction.take().map(Transaction::commit_recorded);
+                return Some(Ended::Commit { last_number, result });
             }
             (Task::Abort { last_number }, transaction) => {
                 drop(transaction.take());
-                return shared.change(|state| state.forget_up_to(last_number));
+                return Some(Ended::Abort { last_number });
             }
             // The transaction has failed: whoever waits for an answer is told by the end of its channel.
             (Task::Load { .. } | Task::WithTransaction(_) | Task::Record { .. } | Task::Begin, _) => Ok(()),
@@ -113,21 +158,5 @@ fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared)
             shared.change(|state| state.fail(err));
         }
     }
-}
-
-fn commit(transaction: Option<Transaction<'_>>, last_number: u64, shared: &Shared) {
-    let result = transaction.map(Transaction::commit_recorded);
-    shared.change(|state| {
-        state.num_commits_under_way -= 1;
-        state.forget_up_to(last_number);
-        match result {
-            Some(Ok(committed)) => {
-                state.dropped.entries.extend(committed.dropped.entries);
-                state.dropped.size_in_bytes += committed.dropped.size_in_bytes;
-            }
-            Some(Err(err)) => state.fail(err),
-            // What went wrong is known already.
-            None => {}
-        }
-    });
+    None
 }
