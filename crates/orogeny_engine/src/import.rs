@@ -8,6 +8,7 @@ use orogeny_field::{Page, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_formats::{Import, ImportOptions};
 use orogeny_store::{BlobHash, EntryId, Layer, NewLayer, Recording};
 
+use crate::access::band_bytes;
 use crate::progress::report;
 use crate::terrain::find_layer;
 use crate::{Error, LayerReference, Observer, Result, Settings, Terrain};
@@ -119,7 +120,7 @@ impl Terrain {
             ));
         }
         let author = self.settings().author.clone();
-        let band_bytes = self.settings().page_budget_in_bytes / 4;
+        let band_bytes = band_bytes(self.settings().page_budget_in_bytes);
         let mut recording = self.recorder()?.begin()?;
         let (layer, made_layer) = target_layer(&mut recording, request.layer.as_deref())?;
         let written = write_rows(&mut recording, raster, &layer, target, &inside, band_bytes, observer)?;

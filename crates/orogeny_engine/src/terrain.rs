@@ -6,11 +6,11 @@ use std::path::Path;
 use orogeny_brush::Executor;
 use orogeny_field::{FieldId, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_store::{
-    Change, CheckReport, Dropped, Entry, EntryId, HistorySummary, Layer, NewLayer, NewTerrain, Recorder, Repaired,
-    Salvaged, Store,
+    Change, CheckReport, Dropped, Entry, EntryId, HistorySummary, Layer, NewLayer, NewTerrain, Recorder,
+    Repaired, Salvaged, Store,
 };
 
-use crate::access::{Access, up_to_date};
+use crate::access::{Access, band_bytes, up_to_date};
 use crate::backend::{self, Settings};
 use crate::composite::{Composite, Source};
 use crate::progress::report;
@@ -311,9 +311,9 @@ impl Terrain {
             let keys = store.page_keys_in(layer.heights, level, &rect)?;
             places.extend(keys.into_iter().map(|key| (key.z, key.x)));
         }
-        let rects = places.into_iter().map(|(z, x)| {
-            layout.page_rect(&PageKey { field: FieldId(0), level, z, x }).intersection(&rect)
-        });
+        let rects = places
+            .into_iter()
+            .map(|(z, x)| layout.page_rect(&PageKey { field: FieldId(0), level, z, x }).intersection(&rect));
         Ok(rects.filter(|rect| !rect.is_empty()).collect())
     }
 
@@ -447,7 +447,8 @@ impl Terrain {
 
     /// Heights of a rectangle of a level, row by row.
     pub(crate) fn composite(&self, source: Source, level: u8, rect: SampleRect) -> Result<Composite<'_>> {
-        Ok(Composite::new(self.settled()?, source, level, rect, self.settings.page_budget_in_bytes / 4))
+        let max_band_bytes = band_bytes(self.settings.page_budget_in_bytes);
+        Ok(Composite::new(self.settled()?, source, level, rect, max_band_bytes))
     }
 
     pub(crate) fn recorder_and_executor(&mut self) -> Result<(&mut Recorder, &mut dyn Executor)> {
