@@ -152,8 +152,8 @@ fn strokes_and_noise_of_any_size_keep_to_the_budget_too() {
         return orogeny_tests::skip(TEST, "it paints gigabytes: set OROGENY_TEST_LONG");
     }
     for operation in [
-        r#"{"op": "stroke", "brush": {"type": "raise", "radius": 6500, "strength": 200}, "points": [[8192, 8192]]}"#,
-        r#"{"op": "stroke", "brush": {"type": "set_height", "radius": 6500, "height": 70}, "points": [[8000, 8192], [8392, 8192]]}"#,
+        r#"{"op": "stroke", "brush": {"type": "raise", "radius": 8000, "strength": 200}, "points": [[8192, 8192]]}"#,
+        r#"{"op": "stroke", "brush": {"type": "set_height", "radius": 8000, "height": 70}, "points": [[8000, 8192], [8392, 8192]]}"#,
         r#"{"op": "fill", "brush": {"type": "raise", "strength": 5}}"#,
         r#"{"op": "fill", "brush": {"type": "roughen", "strength": 5}}"#,
     ] {

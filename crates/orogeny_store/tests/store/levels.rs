@@ -94,7 +94,7 @@ fn paint(store: &mut Store, plane: &mut Plane, [x0, z0, width, depth]: [usize; 4
     for (z, x) in (z0..z1).flat_map(|z| (x0..x1).map(move |x| (z, x))) {
         let hash = ((x * 7919 + z) as u32 ^ seed).wrapping_mul(0x9e37_79b9) >> 12;
         // Now and then the constant again, so that pages and edges come and go.
-        plane.heights[z * plane.width + x] = if seed % 4 == 0 { CONSTANT_M } else { hash as f32 * 0.01 - 5e3 };
+        plane.heights[z * plane.width + x] = if seed.is_multiple_of(4) { CONSTANT_M } else { hash as f32 * 0.01 - 5e3 };
     }
     let mut pages = Vec::new();
     for (z, x) in (z0 / size..z1.div_ceil(size)).flat_map(|z| (x0 / size..x1.div_ceil(size)).map(move |x| (z, x))) {
