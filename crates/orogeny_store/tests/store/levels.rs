@@ -64,7 +64,11 @@ fn assert_levels(store: &Store, plane: &Plane) {
                 if x0 + dx < level_plane.width && z0 + dz < level_plane.depth {
                     let expected = level_plane.heights[(z0 + dz) * level_plane.width + x0 + dx];
                     let found = found.as_ref().map_or(CONSTANT_M, |page| page.samples()[dz * size + dx]);
-                    assert_eq!(found.to_bits(), expected.to_bits(), "{key:?} ({dx}, {dz}): {found} {expected}");
+                    assert_eq!(
+                        found.to_bits(),
+                        expected.to_bits(),
+                        "{key:?} ({dx}, {dz}): {found} {expected}"
+                    );
                 }
             }
             let bounds = store.page_bounds(&key).unwrap();
@@ -94,10 +98,13 @@ fn paint(store: &mut Store, plane: &mut Plane, [x0, z0, width, depth]: [usize; 4
     for (z, x) in (z0..z1).flat_map(|z| (x0..x1).map(move |x| (z, x))) {
         let hash = ((x * 7919 + z) as u32 ^ seed).wrapping_mul(0x9e37_79b9) >> 12;
         // Now and then the constant again, so that pages and edges come and go.
-        plane.heights[z * plane.width + x] = if seed.is_multiple_of(4) { CONSTANT_M } else { hash as f32 * 0.01 - 5e3 };
+        plane.heights[z * plane.width + x] =
+            if seed.is_multiple_of(4) { CONSTANT_M } else { hash as f32 * 0.01 - 5e3 };
     }
     let mut pages = Vec::new();
-    for (z, x) in (z0 / size..z1.div_ceil(size)).flat_map(|z| (x0 / size..x1.div_ceil(size)).map(move |x| (z, x))) {
+    for (z, x) in
+        (z0 / size..z1.div_ceil(size)).flat_map(|z| (x0 / size..x1.div_ceil(size)).map(move |x| (z, x)))
+    {
         let mut page = Page::constant(layout(), CONSTANT_M);
         for (dz, dx) in (0..size).flat_map(|dz| (0..size).map(move |dx| (dz, dx))) {
             let (z, x) = (z * size + dz, x * size + dx);
