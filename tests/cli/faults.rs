@@ -19,22 +19,38 @@ fn runs(program: &str, arguments: &[&str]) -> bool {
     Command::new(program).args(arguments).output().is_ok_and(|output| output.status.success())
 }
 
-#[test]
-fn a_read_only_folder() {
-    // Root may write anywhere, so it becomes someone else.
+/// The program as someone who may not write where they are not allowed to: as it is, or, for root, who may write anywhere,
+/// as nobody. `None`, with a skip, where root cannot become someone else.
+fn restricted(folder: &Folder, test: &str) -> Option<impl Fn(&str) -> Command> {
     let is_root =
         std::fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0);
     let nobody = ["--reuid=65534", "--regid=65534", "--clear-groups"];
     if is_root && !runs("setpriv", &[&nobody[..], &["true"]].concat()) {
-        return skip("cli::faults::a_read_only_folder", "root could not become someone else with setpriv");
+        skip(test, "root could not become someone else with setpriv");
+        return None;
     }
+    // Where everybody may run it.
+    let program = folder.path("program");
+    std::fs::copy(binary(), &program).unwrap();
+    set_mode(&program, 0o755);
+    let place = folder.path("");
+    Some(move |line: &str| {
+        let mut command = if is_root { Command::new("setpriv") } else { Command::new(&program) };
+        if is_root {
+            command.args(nobody).arg(&program);
+        }
+        command.args(line.split(' ')).args(["--adapter", "cpu"]).current_dir(&place);
+        command
+    })
+}
+
+#[test]
+fn a_read_only_folder() {
     let folder = Folder::new();
+    let Some(command) = restricted(&folder, "cli::faults::a_read_only_folder") else { return };
     folder.succeed("new t.orogeny --size 64x64 --spacing 1");
     folder.write("recipe.json", RECIPE);
     folder.write("a.r16", [0; 32]);
-    // Where everybody may run it.
-    std::fs::copy(binary(), folder.path("program")).unwrap();
-    set_mode(&folder.path("program"), 0o755);
     set_mode(&folder.path("t.orogeny"), 0o444);
     set_mode(&folder.path(""), 0o555);
 
@@ -45,18 +61,56 @@ fn a_read_only_folder() {
         ("import a.r16 t.orogeny", "t.orogeny"),
         ("apply t.orogeny recipe.json", "t.orogeny"),
         ("undo t.orogeny", "t.orogeny"),
+        ("jump t.orogeny 0", "t.orogeny"),
+        ("compact t.orogeny", "t.orogeny"),
+        ("check t.orogeny --repair", "t.orogeny"),
+        ("replay t.orogeny u.orogeny", "u.orogeny"),
+        ("salvage t.orogeny u.orogeny", "u.orogeny"),
         ("demo made", "made"),
     ] {
-        let program = folder.path("program");
-        let mut command = if is_root { Command::new("setpriv") } else { Command::new(&program) };
-        if is_root {
-            command.args(nobody).arg(&program);
-        }
-        let output = command.args(line.split(' ')).current_dir(folder.path("")).output().unwrap();
+        let output = command(line).output().unwrap();
         Ran::from(output).assert_failed(line, &[word]);
         folder.assert_state(&before, line);
     }
     set_mode(&folder.path(""), 0o755);
+}
+
+#[test]
+fn what_only_reads_works_on_a_read_only_file_in_a_read_only_folder() {
+    const TEST: &str = "cli::faults::what_only_reads_works_on_a_read_only_file_in_a_read_only_folder";
+    let folder = Folder::new();
+    let Some(command) = restricted(&folder, TEST) else { return };
+    folder.succeed("new t.orogeny --size 300x300 --spacing 1");
+    folder.write("recipe.json", RECIPE);
+    folder.succeed("apply t.orogeny recipe.json");
+    folder.succeed("export t.orogeny here.r32");
+    std::fs::create_dir(folder.path("out")).unwrap();
+    set_mode(&folder.path("out"), 0o777);
+    set_mode(&folder.path("t.orogeny"), 0o444);
+    set_mode(&folder.path(""), 0o555);
+
+    let before = folder.state();
+    for (line, word) in [
+        ("info t.orogeny --heights", "1 applied"),
+        ("log t.orogeny", "fill roughen"),
+        ("check t.orogeny", "whole"),
+        ("export t.orogeny out/there.r32", "wrote"),
+        ("export t.orogeny out/coarse.r32 --level 1", "150 x 150"),
+        ("render t.orogeny out/map.png --map", "drew"),
+        ("replay t.orogeny out/replayed.orogeny", "replayed 1 operation"),
+        ("salvage t.orogeny out/saved.orogeny", "saved"),
+    ] {
+        let ran = Ran::from(command(line).output().unwrap());
+        assert_eq!(ran.code, Some(0), "{line}: {ran:?}");
+        assert!(ran.stdout.contains(word), "{line}: `{word}` is not in {}", ran.stdout);
+        folder.assert_state(&before, line);
+    }
+    set_mode(&folder.path(""), 0o755);
+    assert_eq!(folder.read("out/there.r32"), folder.read("here.r32"));
+    for copy in ["replayed", "saved"] {
+        folder.succeed(&format!("export out/{copy}.orogeny copy.r32"));
+        assert_eq!(folder.read("copy.r32"), folder.read("here.r32"), "{copy}");
+    }
 }
 
 /// A small disk, mounted on a folder.

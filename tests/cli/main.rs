@@ -10,11 +10,17 @@
 mod backends;
 mod bad_input;
 mod bad_recipes;
+mod beside;
 mod cancel;
+mod compaction;
+mod damage;
 mod faults;
 mod history;
 mod job;
+mod levels;
 mod machine;
+mod memory;
 mod program;
 mod round_trip;
 mod sparse;
+mod travel;

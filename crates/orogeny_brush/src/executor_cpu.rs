@@ -20,8 +20,8 @@ use crate::{Error, Result};
 /// Samples of a row that are worked at once: their amounts stay in the first-level cache.
 const ROW_CHUNK: usize = 256;
 
-/// Pages that are copied and saved at once at the end: bounds the copies to 16 MiB.
-const SAVE_PAGES: usize = 64;
+/// Pages that are copied and saved at once at the end: bounds the copies to 8 MiB.
+const SAVE_PAGES: usize = 32;
 
 /// Applies batches on the CPU.
 pub struct CpuExecutor {

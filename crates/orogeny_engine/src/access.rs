@@ -9,6 +9,15 @@ use crate::{Error, Result};
 /// What painting may be ahead of the file at most, in bytes of pages.
 const MAX_PENDING_BYTES: u64 = 64 << 20;
 
+/// What rows of a raster on their way in or out may take, however small the budget is: with less, a wide raster would decode
+/// and code its pages again for every few rows.
+const MIN_BAND_BYTES: u64 = 16 << 20;
+
+/// Bytes of rows of a raster that are read or written at once.
+pub(crate) fn band_bytes(budget_in_bytes: u64) -> u64 {
+    (budget_in_bytes / 4).max(MIN_BAND_BYTES)
+}
+
 /// How the budget for pages in memory is shared out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Shares {

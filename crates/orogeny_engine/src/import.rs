@@ -9,6 +9,7 @@ use orogeny_field::{Page, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_formats::{Import, ImportOptions};
 use orogeny_store::{BlobHash, EntryId, Layer, NewLayer, Recording};
 
+use crate::access::band_bytes;
 use crate::progress::report;
 use crate::terrain::find_layer;
 use crate::{Error, LayerReference, Observer, Result, Settings, Terrain};
@@ -120,7 +121,7 @@ impl Terrain {
             ));
         }
         let author = self.settings().author.clone();
-        let band_bytes = self.settings().page_budget_in_bytes / 4;
+        let band_bytes = band_bytes(self.settings().page_budget_in_bytes);
         // Strokes that turn out to have failed go from the executor's memory too.
         self.flush()?;
         let read_at = stamp(&request.file)?;

@@ -10,7 +10,7 @@ use orogeny_store::{
     Repaired, Salvaged, Store,
 };
 
-use crate::access::{Access, open_to_write, up_to_date};
+use crate::access::{Access, band_bytes, open_to_write, up_to_date};
 use crate::backend::{self, Settings};
 use crate::composite::{Composite, Source};
 use crate::progress::report;
@@ -454,7 +454,8 @@ impl Terrain {
 
     /// Heights of a rectangle of a level, row by row.
     pub(crate) fn composite(&self, source: Source, level: u8, rect: SampleRect) -> Result<Composite<'_>> {
-        Ok(Composite::new(self.settled()?, source, level, rect, self.settings.page_budget_in_bytes / 4))
+        let max_band_bytes = band_bytes(self.settings.page_budget_in_bytes);
+        Ok(Composite::new(self.settled()?, source, level, rect, max_band_bytes))
     }
 
     pub(crate) fn recorder_and_executor(&mut self) -> Result<(&mut Recorder, &mut dyn Executor)> {

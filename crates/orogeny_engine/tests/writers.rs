@@ -1,4 +1,4 @@
-//! Two programs on one terrain, one after the other: neither may undo what the other did by writing pages that it remembers.
+//! Several programs on one terrain: one writes, others read what it committed, and what was only tried leaves nothing.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -18,25 +18,30 @@ fn dab(x_m: f64) -> Operation {
 }
 
 #[test]
-fn what_another_writer_did_stays() {
+fn a_terrain_has_one_writer_at_a_time_and_readers_beside_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("shared.orogeny");
-    let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
+    let settings = || Settings { adapter: Adapter::Cpu, ..Settings::default() };
     let grid = TerrainGrid::new(100, 100, 1.0).unwrap();
-    let mut first = Terrain::create(&path, grid, 0.0, settings).unwrap();
+    let mut first = Terrain::create(&path, grid, 0.0, settings()).unwrap();
     first.apply(&[dab(10.0)], &mut Quiet).unwrap();
 
-    let mut second = open(&path);
-    second.apply(&[dab(30.0)], &mut Quiet).unwrap();
+    let err = Terrain::open(&path, settings()).unwrap_err();
+    assert!(err.to_string().contains(&format!("process {}", std::process::id())), "{err}");
+    let mut reader = Terrain::open_to_read(&path, settings()).unwrap();
     first.apply(&[dab(50.0)], &mut Quiet).unwrap();
     let heights = |terrain: &Terrain| [10.0, 30.0, 50.0].map(|x_m| terrain.height_m([x_m, 20.0]).unwrap());
-    assert_eq!(heights(&first), [1.0, 1.0, 1.0], "the second dab was overwritten");
+    assert_eq!(heights(&reader), [1.0, 0.0, 1.0], "the reader does not see what was committed");
+    let err = reader.apply(&[dab(30.0)], &mut Quiet).unwrap_err();
+    assert!(err.to_string().contains("opened for reading"), "{err}");
+    first.close().unwrap();
 
-    // The last operation, undone, is not the one that `second` remembers.
+    // The next writer goes on from there, and knows what the one before did.
+    let mut second = open(&path);
     second.undo(1).unwrap();
     second.apply(&[dab(30.0)], &mut Quiet).unwrap();
-    assert_eq!(heights(&second), [1.0, 2.0, 0.0]);
-    assert_eq!(heights(&first), [1.0, 2.0, 0.0]);
+    assert_eq!(heights(&second), [1.0, 1.0, 0.0]);
+    assert_eq!(heights(&reader), [1.0, 1.0, 0.0]);
 }
 
 #[test]

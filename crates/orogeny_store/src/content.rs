@@ -11,7 +11,7 @@ use crate::rows::{DeltaRow, PageInfo, PageRow};
 use crate::{EntryId, Error, Result, codec};
 
 /// Bytes of uncoded pages that are worked on at once: enough for all cores, little beside any budget.
-const BATCH_BYTES: u64 = 16 << 20;
+const BATCH_BYTES: u64 = 8 << 20;
 
 /// How many pages are read, coded and written together.
 pub(crate) fn pages_per_batch(layout: PageLayout) -> usize {

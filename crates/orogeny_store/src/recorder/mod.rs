@@ -296,7 +296,7 @@ impl Recording<'_> {
     /// What went wrong with an earlier write or operation: this recording can then only be dropped.
     pub fn write_pages(&mut self, pages: Vec<(PageKey, Page)>) -> Result<()> {
         let pages: Vec<_> = pages.into_iter().map(|(key, page)| (key, Arc::new(page))).collect();
-        self.recorder.shared.wait_for_room(self.recorder.max_pending_bytes);
+        self.recorder.shared.wait_for_room(&pages, self.recorder.max_pending_bytes);
         self.refuse_after_failure()?;
         self.recorder.shared.lock().add_pages(self.number, &pages);
         self.recorder.send(Task::Write { number: self.number, pages })

@@ -116,9 +116,10 @@ impl Shared {
         self.wait_while(|state| state.num_commits_under_way > 0);
     }
 
-    /// Waits until no more than so many bytes are on their way.
-    pub(super) fn wait_for_room(&self, max_pending_bytes: u64) {
-        self.wait_while(|state| state.pending_bytes > max_pending_bytes && state.failure.is_none());
+    /// Waits until these pages fit into so many bytes beside those on their way; for nothing where they are more than that.
+    pub(super) fn wait_for_room(&self, pages: &[(PageKey, Arc<Page>)], max_pending_bytes: u64) {
+        let room = max_pending_bytes.saturating_sub(pages.iter().map(|(_, page)| size_of(page)).sum());
+        self.wait_while(|state| state.pending_bytes > room && state.failure.is_none());
     }
 
     /// Waits until the thread has dropped an entry.

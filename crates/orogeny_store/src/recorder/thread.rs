@@ -6,8 +6,8 @@ use std::thread::{Builder, JoinHandle};
 
 use orogeny_field::{Page, PageKey};
 
-use super::state::Shared;
-use crate::{Error, Result, Store, Transaction};
+use super::state::{Shared, State};
+use crate::{Committed, Error, Result, Store, Transaction};
 
 /// What the thread is asked to do.
 pub(super) enum Task {
@@ -53,26 +53,67 @@ pub(super) fn start(
 
 fn serve(mut store: Store, tasks: &Receiver<Task>, gone: &Gone) -> Result<()> {
     while let Ok(task) = tasks.recv() {
-        match task {
+        let ended = match task {
             Task::Begin => serve_transaction(&mut store, tasks, &gone.0),
             Task::Load { key, reply, .. } => {
                 reply.send(store.load_page(&key)).ok();
+                None
             }
-            Task::WithStore(work) => work(&mut store),
+            Task::WithStore(work) => {
+                work(&mut store);
+                None
+            }
             // Of a transaction that is not there: nothing is left of it to be done.
-            Task::Write { .. } | Task::WithTransaction(_) | Task::Record { .. } => {}
-            Task::Commit { last_number } => commit(None, last_number, &gone.0),
-            Task::Abort { last_number } => gone.0.change(|state| state.forget_up_to(last_number)),
-        }
+            Task::Write { .. } | Task::WithTransaction(_) | Task::Record { .. } => None,
+            Task::Commit { last_number } => Some(Ended::Commit { last_number, result: None }),
+            Task::Abort { last_number } => Some(Ended::Abort { last_number, is_failure_ours: false }),
+        };
+        // Together with the end, so that whoever has waited for that is told the right size.
         let cached_bytes = store.cached_bytes();
-        gone.0.change(|state| state.cached_bytes = cached_bytes);
+        gone.0.change(|state| {
+            state.cached_bytes = cached_bytes;
+            if let Some(ended) = ended {
+                ended.tell(state);
+            }
+        });
     }
     store.close()
 }
 
-/// One transaction, from its start to its end. After a failure its tasks are only counted off.
-fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared) {
-    // Whether the failure that is kept, should no one have asked for it yet, is of this transaction.
+/// How a transaction ended.
+enum Ended {
+    /// `None`: it had failed before, and what went wrong is known already.
+    Commit { last_number: u64, result: Option<Result<Committed>> },
+    /// With whether the failure that is kept, should no one have asked for it yet, is of this transaction.
+    Abort { last_number: u64, is_failure_ours: bool },
+}
+
+impl Ended {
+    fn tell(self, state: &mut State) {
+        match self {
+            Self::Commit { last_number, result } => {
+                state.num_commits_under_way -= 1;
+                state.forget_up_to(last_number);
+                match result {
+                    Some(Ok(committed)) => state.dropped.extend(committed.dropped),
+                    Some(Err(err)) => _ = state.fail(err),
+                    None => {}
+                }
+            }
+            Self::Abort { last_number, is_failure_ours } => {
+                state.forget_up_to(last_number);
+                // What was taken back anyway concerns no one; what failed before it does.
+                if is_failure_ours {
+                    state.failure = None;
+                }
+            }
+        }
+    }
+}
+
+/// One transaction, from its start to its end; `None` where no one is left to end it. After a failure its tasks are only
+/// counted off.
+fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared) -> Option<Ended> {
     let mut is_failure_ours = false;
     let fail = |is_ours: &mut bool, err| shared.change(|state| *is_ours |= state.fail(err));
     let mut transaction = match store.begin() {
@@ -103,17 +144,12 @@ fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared)
                 transaction.record(&operation_json, &author).map(|_| ())
             }
             (Task::Commit { last_number }, transaction) => {
-                return commit(transaction.take(), last_number, shared);
+                let result = transaction.take().map(Transaction::commit_recorded);
+                return Some(Ended::Commit { last_number, result });
             }
             (Task::Abort { last_number }, transaction) => {
                 drop(transaction.take());
-                return shared.change(|state| {
-                    state.forget_up_to(last_number);
-                    // What was taken back anyway concerns no one; what failed before it does.
-                    if is_failure_ours {
-                        state.failure = None;
-                    }
-                });
+                return Some(Ended::Abort { last_number, is_failure_ours });
             }
             // The transaction has failed: whoever waits for an answer is told by the end of its channel.
             (Task::Load { .. } | Task::WithTransaction(_) | Task::Record { .. } | Task::Begin, _) => Ok(()),
@@ -124,18 +160,5 @@ fn serve_transaction(store: &mut Store, tasks: &Receiver<Task>, shared: &Shared)
             fail(&mut is_failure_ours, err);
         }
     }
-}
-
-fn commit(transaction: Option<Transaction<'_>>, last_number: u64, shared: &Shared) {
-    let result = transaction.map(Transaction::commit_recorded);
-    shared.change(|state| {
-        state.num_commits_under_way -= 1;
-        state.forget_up_to(last_number);
-        match result {
-            Some(Ok(committed)) => state.dropped.extend(committed.dropped),
-            Some(Err(err)) => _ = state.fail(err),
-            // What went wrong is known already.
-            None => {}
-        }
-    });
+    None
 }

@@ -16,3 +16,4 @@ mod recorder;
 mod repair;
 mod support;
 mod taken_back;
+mod upgrade;
