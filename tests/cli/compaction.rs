@@ -93,7 +93,7 @@ fn a_history_budget_is_kept_and_what_goes_is_named() {
     folder.write("recipe.json", recipe(77));
     let ran = folder.run("apply t.orogeny recipe.json");
     assert!(ran.stdout.contains("note: ") && ran.stdout.contains("went from the history"), "{ran:?}");
-    assert!(ran.stdout.contains(&format!("({last_kept} to ")), "{ran:?}");
+    assert!(ran.stdout.contains(&format!(" from {last_kept} to ")), "{ran:?}");
     let kept = ids(&folder);
     let undone = folder.succeed("undo t.orogeny -n 99")["entries"].as_array().unwrap().len();
     assert_eq!(undone, kept.len());

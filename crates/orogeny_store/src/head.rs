@@ -76,7 +76,7 @@ impl Head {
         write(&mut file).map_err(|err| failed(&err))?;
         let next_slot = last.map_or(0, |(slot, _)| 1 - slot);
         Ok((
-            Self { file, terrain: terrain.to_owned(), next_slot, is_evidence: true },
+            Self { file, terrain: terrain.to_owned(), next_slot, is_evidence: last.is_some() },
             last.map(|(_, commit)| commit),
         ))
     }

@@ -37,7 +37,7 @@ impl Store {
         let (mut store, acknowledged) = Self::open_whatever_was_lost(path)?;
         let mut repaired = Repaired::default();
         match store.document.check_commit(store.path(), acknowledged.as_ref()) {
-            Ok(()) => {}
+            Ok(()) => store.nothing_is_lost(),
             Err(Error::LostCommits { found, acknowledged, .. }) => {
                 repaired.lost_commits = Some((found, acknowledged));
                 store.accept_what_was_lost()?;

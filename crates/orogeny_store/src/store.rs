@@ -106,7 +106,7 @@ impl Store {
             store.db.keep_log()?;
             return Err(err);
         }
-        store.head.iter_mut().for_each(Head::nothing_is_lost);
+        store.nothing_is_lost();
         Ok(store)
     }
 
@@ -398,6 +398,11 @@ impl Store {
         self.document = document;
         self.stack = stack;
         self.acknowledge()
+    }
+
+    /// Everything that was acknowledged is there.
+    pub(crate) fn nothing_is_lost(&mut self) {
+        self.head.iter_mut().for_each(Head::nothing_is_lost);
     }
 
     /// Takes what is there for what was acknowledged.

@@ -158,9 +158,15 @@ fn page(db: &Database, layout: PageLayout, key: &PageKey) -> Result<Option<(Page
             Ok((page, row.get(2)?, row.get(3)?))
         })
     });
-    match page.map_err(|err| db.fault(err)) {
+    match page {
         Ok(page) => Ok(Some(page)),
-        Err(Error::Damaged { .. }) => Ok(None),
-        Err(err) => Err(err),
+        // The row is not there, or is not what it must be. A file that is damaged as such is refused as a whole.
+        Err(
+            rusqlite::Error::QueryReturnedNoRows
+            | rusqlite::Error::InvalidColumnType(..)
+            | rusqlite::Error::FromSqlConversionFailure(..)
+            | rusqlite::Error::IntegralValueOutOfRange(..),
+        ) => Ok(None),
+        Err(err) => Err(db.fault(err)),
     }
 }
