@@ -13,7 +13,7 @@ use crate::cache::Content;
 use crate::database::Database;
 use crate::pyramid::{self, Changed, Plane};
 use crate::rows::{DeltaRow, Document, EntryLinks, EntryRow, PageInfo, PageRow};
-use crate::store::Stack;
+use crate::stack::Stack;
 use crate::{Error, Layer, Result, Store, codec, content};
 
 /// The number of a history entry; later ones are higher, none is used twice.

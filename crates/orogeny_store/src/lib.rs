@@ -52,6 +52,7 @@ mod recorder;
 mod repair;
 mod rows;
 mod salvage;
+mod stack;
 mod store;
 mod substitute;
 mod transaction;

@@ -7,7 +7,7 @@ use orogeny_field::{FieldId, Page, PageKey};
 
 use crate::database::{Database, companion, has_log};
 use crate::rows::Document;
-use crate::store::Stack;
+use crate::stack::Stack;
 use crate::{Error, Field, FieldKind, Layer, NewLayer, NewTerrain, Result, Store, Transaction, content};
 
 /// What [`Store::salvage`] saved, and how.

@@ -10,8 +10,9 @@ use orogeny_field::{FieldId, HeightBounds, Page, PageKey, PageLayout, TerrainGri
 use crate::database::{Database, Snapshot};
 use crate::error::unix_ms;
 use crate::head::{Head, LastCommit};
-use crate::rows::{Document, EntryRow, LayerChange};
-use crate::{Blend, Counters, EntryId, Error, Field, FieldKind, Layer, NewLayer, Result, Transaction};
+use crate::rows::{Document, EntryRow};
+use crate::stack::Stack;
+use crate::{Counters, EntryId, Error, Field, Layer, NewLayer, Result, Transaction};
 use crate::{content, format, upgrade};
 
 /// A terrain to be made.
@@ -41,13 +42,6 @@ pub struct Store {
     /// The version of the file before it was opened, where that was an older one.
     upgraded_from: Option<i32>,
     pub(crate) clock: fn() -> SystemTime,
-}
-
-/// The layers, and all fields.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Stack {
-    pub(crate) layers: Vec<Layer>,
-    pub(crate) fields: BTreeMap<FieldId, Field>,
 }
 
 impl std::fmt::Debug for Store {
@@ -438,75 +432,5 @@ impl Document {
             });
         }
         Ok(())
-    }
-}
-
-impl Stack {
-    pub(crate) fn load(db: &Database) -> Result<Self> {
-        let fields = db.fields()?;
-        let mut layers = Vec::new();
-        for saved in db.saved_layers()? {
-            let wrong = |detail: String| Error::damaged(db.path(), format!("layer {}: {detail}", saved.id));
-            let mut layer: Layer =
-                serde_json::from_str(&saved.state).map_err(|err| wrong(err.to_string()))?;
-            let field = |id: FieldId, kind: FieldKind| {
-                fields
-                    .get(&id)
-                    .filter(|field| field.kind == kind)
-                    .ok_or_else(|| wrong(format!("its field {} does not exist", id.0)))
-            };
-            layer.constant_m = field(layer.heights, FieldKind::Heights)?.constant;
-            if let Some(mask) = layer.mask {
-                field(mask, FieldKind::Mask)?;
-            }
-            layers.push(layer);
-        }
-        layers.sort_by_key(|layer| (layer.position, layer.id));
-        Ok(Self { layers, fields })
-    }
-
-    /// What a field holds where it has no page; 0 for one that does not exist.
-    pub(crate) fn constant(&self, key: &PageKey) -> f32 {
-        self.fields.get(&key.field).map_or(0.0, |field| field.constant)
-    }
-
-    /// Makes a field, here and in the file.
-    pub(crate) fn add_field(
-        &mut self,
-        db: &Database,
-        document: &mut Document,
-        field: Field,
-    ) -> Result<FieldId> {
-        let id = document.next_field()?;
-        db.insert_field(id, field)?;
-        self.fields.insert(id, field);
-        Ok(id)
-    }
-
-    /// Puts a new layer on top, here and in the file, as a change that `entry` makes.
-    pub(crate) fn add(
-        &mut self,
-        db: &Database,
-        document: &mut Document,
-        entry: EntryId,
-        new: NewLayer,
-    ) -> Result<Layer> {
-        let heights = Field { kind: FieldKind::Heights, constant: new.constant_m };
-        let layer = Layer {
-            id: document.next_layer()?,
-            position: self.layers.last().map_or(0, |top| top.position.saturating_add(1)),
-            name: new.name,
-            heights: self.add_field(db, document, heights)?,
-            constant_m: new.constant_m,
-            mask: None,
-            visible: true,
-            opacity: 1.0,
-            blend: Blend::default(),
-        };
-        let state = layer.to_state()?;
-        db.set_layer(layer.id, Some(&state))?;
-        db.insert_layer_change(entry, &LayerChange { layer: layer.id, before: None, after: Some(state) })?;
-        self.layers.push(layer.clone());
-        Ok(layer)
     }
 }

@@ -11,7 +11,7 @@ use crate::database::Database;
 use crate::error::unix_ms;
 use crate::pyramid::{self, Changed};
 use crate::rows::{DeltaRow, Document, EntryRow, LayerChange, PageInfo, PageRow};
-use crate::store::Stack;
+use crate::stack::Stack;
 use crate::{Dropped, EntryId, Error, Field, FieldKind, Layer, NewLayer, Result, Store};
 use crate::{budget, codec, content};
 

@@ -11,7 +11,7 @@ use crate::checksum::{Checksum, RowHasher};
 use crate::database::Database;
 use crate::pyramid::{self, Changed};
 use crate::rows::{Document, PageInfo, PageRow};
-use crate::store::Stack;
+use crate::stack::Stack;
 use crate::{EntryId, Error, Field, FieldKind, Result, codec, content, format};
 
 /// What version 2 makes anew; its rows come from tables that are renamed meanwhile.
