@@ -131,15 +131,17 @@ pub fn reopen(path: &Path) -> Result<State, String> {
 /// What a child does: every step, each acknowledged as `step NUMBER`.
 ///
 /// A step that fails is reported as `error NUMBER KIND` and ends the run, but for one further commit by the same store:
-/// `further committed` or `further refused KIND`.
+/// `further committed`, `further committed by another` store where that one is gone, or `further refused KIND`.
 pub fn run(path: &Path, steps: &[Step]) {
     let mut store = None;
     for (index, step) in steps.iter().enumerate() {
         let number = index + 1;
         if let Err(err) = take(&mut store, path, *step) {
             acknowledge(&format!("error {number} {}", kind(&err)));
+            // One that failed to open or to close is gone.
+            let by_whom = if store.is_some() { "" } else { " by another" };
             match take(&mut store, path, Step::Paint) {
-                Ok(()) => acknowledge("further committed"),
+                Ok(()) => acknowledge(&format!("further committed{by_whom}")),
                 Err(err) => acknowledge(&format!("further refused {}", kind(&err))),
             }
             return;
