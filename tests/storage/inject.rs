@@ -163,8 +163,7 @@ fn a_sync_that_fails_is_an_error_and_no_acknowledgement() {
         assert_ne!(result, "committed", "{}: {:?}", case.name, case.traced.lines);
         *further.entry(result.to_owned()).or_insert(0) += 1;
         let num_acknowledged = case.num_acknowledged();
-        let possible: &[bool] =
-            if result.starts_with("committed") { &[true] } else { &[false, true] };
+        let possible: &[bool] = if result.starts_with("committed") { &[true] } else { &[false, true] };
         assert!(
             case.is_after(num_acknowledged, possible) || case.is_after(num_acknowledged + 1, possible),
             "{}: {:?}",

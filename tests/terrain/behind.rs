@@ -97,6 +97,7 @@ fn an_operation_beyond_every_budget_gives_the_same_bits() {
     println!(
         "an operation of {num_pages} pages; in memory {small_in_bytes} bytes of {SMALL_BYTES}, with room {large_in_bytes}"
     );
+    assert!(small_in_bytes <= SMALL_BYTES, "{small_in_bytes} bytes are more than the budget");
     // More than the whole budget, of which pages on their way get an eighth.
     assert!(num_pages as u64 * 256 * 256 * 4 > SMALL_BYTES);
     assert!(large_in_bytes > SMALL_BYTES, "the budget was never needed");

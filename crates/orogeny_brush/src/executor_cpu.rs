@@ -139,10 +139,16 @@ impl CpuExecutor {
                 changed.push((key, page.heights));
             }
         }
-        if changed.is_empty() {
-            return Ok(());
+        while !changed.is_empty() {
+            let rest = changed.split_off(changed.len().min(self.pages_saved_at_once()));
+            store.save(std::mem::replace(&mut changed, rest)).map_err(orogeny_pages::Error::Source)?;
         }
-        store.save(changed).map_err(|err| orogeny_pages::Error::Source(err).into())
+        Ok(())
+    }
+
+    /// How many pages are handed over together: on a small budget, a small part of it.
+    fn pages_saved_at_once(&self) -> usize {
+        (self.max_pages / 8).clamp(1, SAVE_PAGES)
     }
 
     /// The operation is over.
@@ -191,7 +197,7 @@ impl Executor for CpuExecutor {
 
     fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices> {
         let dirty: Vec<_> = std::mem::take(&mut self.dirty).into_iter().collect();
-        for keys in dirty.chunks(SAVE_PAGES) {
+        for keys in dirty.chunks(self.pages_saved_at_once()) {
             let copy = |key: &PageKey| Some((*key, self.resident.peek(key)?.heights.clone()));
             store.save(keys.iter().filter_map(copy).collect()).map_err(orogeny_pages::Error::Source)?;
         }
