@@ -88,7 +88,7 @@ impl Terrain {
     /// The terrain in numbers.
     ///
     /// # Errors
-    /// [`Error::Store`] when the file cannot be read.
+    /// [`crate::Error::Store`] when the file cannot be read.
     pub fn describe(&self) -> Result<Description> {
         let (grid, store) = (self.grid(), self.settled()?);
         let layers = store.layers().iter().map(|layer| {
@@ -132,7 +132,7 @@ impl Terrain {
     /// Lowest, highest and mean height of the composite. Reads every painted page, and no other.
     ///
     /// # Errors
-    /// [`Error::Store`] when a page cannot be read; [`Error::Cancelled`].
+    /// [`crate::Error::Store`] when a page cannot be read; [`crate::Error::Cancelled`].
     pub fn height_statistics(&self, observer: &mut dyn Observer) -> Result<HeightStatistics> {
         let bounds = self.grid().bounds();
         let _unchanging = self.settled()?.snapshot()?;

@@ -8,7 +8,7 @@ impl Terrain {
     /// Undoes up to `count` operations, bit for bit; fewer where the history begins.
     ///
     /// # Errors
-    /// [`Error::Store`]; the terrain is then as it was.
+    /// [`crate::Error::Store`]; the terrain is then as it was.
     pub fn undo(&mut self, count: u32) -> Result<Vec<Change>> {
         self.travel(|recorder| recorder.undo(count))
     }
@@ -16,7 +16,7 @@ impl Terrain {
     /// Does up to `count` undone operations again, bit for bit.
     ///
     /// # Errors
-    /// [`Error::Store`]; the terrain is then as it was.
+    /// [`crate::Error::Store`]; the terrain is then as it was.
     pub fn redo(&mut self, count: u32) -> Result<Vec<Change>> {
         self.travel(|recorder| recorder.redo(count))
     }
@@ -24,7 +24,7 @@ impl Terrain {
     /// Goes to any entry of the history, on a branch too: afterwards it is the last one that shows.
     ///
     /// # Errors
-    /// [`Error::Store`] when there is none of that number, and as [`Self::undo`].
+    /// [`crate::Error::Store`] when there is none of that number, and as [`Self::undo`].
     pub fn jump(&mut self, entry: EntryId) -> Result<Vec<Change>> {
         self.travel(|recorder| recorder.jump(entry))
     }
@@ -48,7 +48,7 @@ impl Terrain {
     /// What was done, oldest first, with what was undone and what was left behind.
     ///
     /// # Errors
-    /// [`Error::Store`] when the history cannot be read.
+    /// [`crate::Error::Store`] when the history cannot be read.
     pub fn log(&self) -> Result<Vec<Entry>> {
         Ok(self.settled()?.log()?)
     }
@@ -57,7 +57,7 @@ impl Terrain {
     /// once, and from now on with each operation.
     ///
     /// # Errors
-    /// [`Error::Store`]; nothing is changed then.
+    /// [`crate::Error::Store`]; nothing is changed then.
     pub fn set_history_budget(&mut self, budget_in_bytes: Option<u64>) -> Result<Dropped> {
         self.flush()?;
         Ok(self.recorder()?.with_store(move |store| store.set_history_budget(budget_in_bytes))?)
@@ -66,7 +66,7 @@ impl Terrain {
     /// Drops everything that was undone and left behind.
     ///
     /// # Errors
-    /// [`Error::Store`]; nothing is changed then.
+    /// [`crate::Error::Store`]; nothing is changed then.
     pub fn drop_branches(&mut self) -> Result<Dropped> {
         self.flush()?;
         Ok(self.recorder()?.with_store(Store::drop_branches)?)
@@ -75,7 +75,7 @@ impl Terrain {
     /// Gives free space in the file back, and tells its size in bytes before and after.
     ///
     /// # Errors
-    /// [`Error::Store`]; nothing is changed then.
+    /// [`crate::Error::Store`]; nothing is changed then.
     pub fn compact(&mut self) -> Result<(u64, u64)> {
         self.flush()?;
         Ok(self.recorder()?.with_store(Store::compact)?)
@@ -84,7 +84,7 @@ impl Terrain {
     /// What had to go from the history since this was last asked, for it to keep to its budget.
     ///
     /// # Errors
-    /// [`Error::Store`] for a terrain that is open for reading.
+    /// [`crate::Error::Store`] for a terrain that is open for reading.
     pub fn take_dropped_history(&mut self) -> Result<Dropped> {
         Ok(self.recorder()?.take_dropped())
     }

@@ -26,7 +26,6 @@ pub(crate) struct EntryLinks {
     pub(crate) parent: Option<EntryId>,
     /// The child that redo goes to.
     pub(crate) next: Option<EntryId>,
-    pub(crate) delta_bytes: u64,
 }
 
 /// What an entry did to a layer. `None` where the layer did not exist.
@@ -168,14 +167,13 @@ impl Database {
 
     /// How all entries hang together, oldest first, without reading the operations.
     pub(crate) fn entry_links(&self) -> Result<Vec<EntryLinks>> {
-        self.statement("SELECT id, parent, next, delta_bytes FROM entry ORDER BY id")
+        self.statement("SELECT id, parent, next FROM entry ORDER BY id")
             .and_then(|mut statement| {
                 let links = statement.query_map([], |row| {
                     Ok(EntryLinks {
                         id: EntryId(row.get(0)?),
                         parent: row.get::<_, Option<u32>>(1)?.map(EntryId),
                         next: row.get::<_, Option<u32>>(2)?.map(EntryId),
-                        delta_bytes: row.get::<_, i64>(3)?.cast_unsigned(),
                     })
                 })?;
                 links.collect()
