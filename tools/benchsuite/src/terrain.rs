@@ -75,7 +75,9 @@ fn openings(report: &mut Report, folder: &TempDir, repeat: usize) -> Result<()> 
     Ok(())
 }
 
-/// The first and the last of many strokes, and their undoing.
+/// The first and the last of many strokes, and their undoing. At the end most pages that a stroke meets are painted already,
+/// and the coarser ones are full, so that there is more to code than at the start; that the history itself costs nothing is
+/// counted by the tests (`tests/terrain/scale.rs`).
 fn long_history(report: &mut Report, folder: &TempDir) -> Result<()> {
     const SIDE: u64 = 1 << 16;
     let path = folder.path().join("long.orogeny");
