@@ -13,9 +13,18 @@ const MAX_PENDING_BYTES: u64 = 64 << 20;
 /// and code its pages again for every few rows.
 const MIN_BAND_BYTES: u64 = 16 << 20;
 
+/// Pages of a band that are decoded or coded at once, on all cores: of a wide raster never a whole row of them.
+pub(crate) const PAGES_AT_ONCE: usize = 32;
+
 /// Bytes of rows of a raster that are read or written at once.
 pub(crate) fn band_bytes(budget_in_bytes: u64) -> u64 {
     (budget_in_bytes / 4).max(MIN_BAND_BYTES)
+}
+
+/// Rows of `width` heights that fit into a band, at least one.
+pub(crate) fn band_rows(width: u32, max_band_bytes: u64) -> i32 {
+    let row_bytes = u64::from(width).max(1) * size_of::<f32>() as u64;
+    i32::try_from(max_band_bytes / row_bytes).unwrap_or(i32::MAX).max(1)
 }
 
 /// How the budget for pages in memory is shared out.

@@ -9,9 +9,7 @@ use orogeny_field::{Page, PageKey, SampleRect};
 use orogeny_store::{Layer, Store};
 
 use crate::Result;
-
-/// Pages that are read and decoded at once, on all cores.
-const PAGES_AT_ONCE: usize = 32;
+use crate::access::{PAGES_AT_ONCE, band_rows};
 
 /// What is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,8 +52,6 @@ impl<'a> Composite<'a> {
             Source::Layer(id) => layer.id == id,
         };
         let layers = store.layers().iter().filter(is_read).collect();
-        let row_bytes = u64::from(rect.width()).max(1) * 4;
-        let max_band_rows = i32::try_from(max_band_bytes / row_bytes).unwrap_or(i32::MAX).max(1);
         Self {
             store,
             layers,
@@ -65,7 +61,7 @@ impl<'a> Composite<'a> {
             band: Vec::new(),
             band_start: rect.z0,
             band_end: rect.z0,
-            max_band_rows,
+            max_band_rows: band_rows(rect.width(), max_band_bytes),
             shows_damage: false,
             damaged: Vec::new(),
         }

@@ -9,7 +9,7 @@ use orogeny_field::{Page, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_formats::{Import, ImportOptions};
 use orogeny_store::{BlobHash, EntryId, Layer, NewLayer, Recording};
 
-use crate::access::band_bytes;
+use crate::access::{PAGES_AT_ONCE, band_bytes, band_rows};
 use crate::progress::report;
 use crate::terrain::find_layer;
 use crate::{Error, LayerReference, Observer, Result, Settings, Terrain};
@@ -271,13 +271,9 @@ struct Band<'a> {
     max_rows: i32,
 }
 
-/// Pages that are written at once: of a wide raster never a whole row of them.
-const PAGES_AT_ONCE: usize = 32;
-
 impl<'a> Band<'a> {
     fn new(layout: PageLayout, layer: &'a Layer, inside: &'a SampleRect, max_bytes: u64) -> Self {
-        let row_bytes = u64::from(inside.width()).max(1) * 4;
-        let max_rows = i32::try_from(max_bytes / row_bytes).unwrap_or(i32::MAX).max(1);
+        let max_rows = band_rows(inside.width(), max_bytes);
         Self { layout, layer, inside, z0: inside.z0, rows: Vec::new(), max_rows }
     }
 

@@ -125,11 +125,9 @@ impl Terrain {
         // What painted pages add to the height of unpainted ground: so a map costs what is painted, not what there could be.
         let unpainted_m = f64::from(self.unpainted_height_m()?);
         let mut sums = vec![0.0_f64; width * depth];
-        let pixel = |z: i32, x: i32| {
-            let along = |place: i32, start: i32| {
-                ((place << level).saturating_sub(start).max(0).unsigned_abs() / samples_per_px) as usize
-            };
-            along(z, rect.z0) * width + along(x, rect.x0)
+        // The column or row of pixels that a sample of the level falls into.
+        let pixel_along = |place: i32, start: i32| {
+            ((place << level).saturating_sub(start).max(0).unsigned_abs() / samples_per_px) as usize
         };
         let painted = self.painted_rects(level, level_rect)?;
         let mut damaged = Vec::new();
@@ -138,8 +136,9 @@ impl Terrain {
             let mut row = vec![0.0; page.width() as usize];
             for z in page.z0..page.z1 {
                 composite.read_rows(&mut row)?;
+                let row_start = pixel_along(z, rect.z0) * width;
                 for (x, height_m) in (page.x0..).zip(&row) {
-                    if let Some(sum) = sums.get_mut(pixel(z, x)) {
+                    if let Some(sum) = sums.get_mut(row_start + pixel_along(x, rect.x0)) {
                         *sum += f64::from(*height_m) - unpainted_m;
                     }
                 }
@@ -151,9 +150,7 @@ impl Terrain {
         let counts = |start: i32, end: i32, first: i32, num_pixels: usize| {
             let mut counts = vec![0_u32; num_pixels];
             for place in start..end {
-                if let Some(count) =
-                    counts.get_mut(((place << level).abs_diff(first) / samples_per_px) as usize)
-                {
+                if let Some(count) = counts.get_mut(pixel_along(place, first)) {
                     *count += 1;
                 }
             }

@@ -190,11 +190,11 @@ impl Store {
 
     /// Whether pages and layers are what the applied entries left.
     fn check_fit(&self, report: &mut CheckReport) -> Result<()> {
+        let document = self.db.document()?;
         for (key, is_in_directory) in self.db.pages_that_contradict_the_history()? {
-            let floor = self.db.document()?.floor;
             let detail = match (is_in_directory, self.db.page_info(&key)?) {
                 // Reported from the directory's side.
-                (false, Some(info)) if info.revision > floor => continue,
+                (false, Some(info)) if info.revision > document.floor => continue,
                 (_, Some(info)) => {
                     format!("the history does not lead to its state, that of entry {}", info.revision)
                 }
@@ -204,13 +204,13 @@ impl Store {
         }
         let states = Tree::load(&self.db).and_then(|tree| tree.states(&self.db));
         report.keep(states);
-        let (counted, said) = (self.db.history_bytes()?, self.db.document()?.history_bytes);
+        let (counted, said) = (self.db.history_bytes()?, document.history_bytes);
         if counted != said {
             let detail = format!("its history takes {counted} bytes, it says {said}");
             report.problems.push(Error::damaged(self.path(), detail));
         }
         let mut applied = Vec::new();
-        let mut at = Some(self.db.document()?.head);
+        let mut at = Some(document.head);
         while let Some(entry) = at {
             applied.push(entry);
             at = self.db.entry(entry)?.parent.filter(|parent| *parent < entry);

@@ -90,6 +90,9 @@ impl Store {
             }
         }
         self.db.cache.borrow_mut().clear();
+        if !repaired.levels_made_anew && repaired.pages_from_history.is_empty() {
+            return Ok(());
+        }
         let (grid, layout) = (self.grid(), self.layout());
         let mut below = Changed::new();
         for field in self.stack.fields.keys() {
@@ -97,11 +100,7 @@ impl Store {
             let keys = keys.into_iter().filter(|key| layout.has_page(&grid, key));
             below.extend(keys.map(|key| (key, layout.page_rect(&key).intersection(&grid.bounds()))));
         }
-        if repaired.levels_made_anew || !repaired.pages_from_history.is_empty() {
-            let constant = |key: &PageKey| self.stack.constant(key);
-            pyramid::refresh(&self.db, grid, layout, constant, below)?;
-        }
-        Ok(())
+        pyramid::refresh(&self.db, grid, layout, |key| self.stack.constant(key), below)
     }
 
     /// A page at full resolution, made from what the operations that show did to it; `None` where the history does not reach

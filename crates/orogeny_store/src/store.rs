@@ -371,11 +371,15 @@ impl Store {
 
     /// Remembers that the disk failed: what it holds is not known until it is read again.
     pub(crate) fn note_disk_failure(&mut self, err: &Error) -> Result<()> {
-        if let Error::Io { detail, .. } = err {
-            self.disk_failure = Some(detail.clone());
-            self.db.keep_log()?;
+        match err {
+            Error::Io { detail, .. } => self.fail_disk(detail.clone()),
+            _ => Ok(()),
         }
-        Ok(())
+    }
+
+    fn fail_disk(&mut self, detail: String) -> Result<()> {
+        self.disk_failure = Some(detail);
+        self.db.keep_log()
     }
 
     /// Ends the running transaction as one commit that leaves `document`, which is on disk when this returns.
@@ -413,8 +417,7 @@ impl Store {
         let commit = self.document.last_commit();
         let Some(head) = &mut self.head else { return Ok(()) };
         let Err(err) = head.record(&commit) else { return Ok(()) };
-        self.disk_failure = Some(err.to_string());
-        self.db.keep_log()?;
+        self.fail_disk(err.to_string())?;
         Err(Error::DiskFailed { path: self.db.path().to_owned(), detail: err.to_string() })
     }
 }
