@@ -1,9 +1,9 @@
 //! PNG: grey, 8 or 16 bits, without an alpha channel.
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufRead, BufReader, Seek};
 
-use png::{BitDepth, ColorType, DecodingError, Limits, Reader, Transformations};
+use png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Reader, Transformations};
 
 use crate::error::Result;
 use crate::format::{ByteOrder, SampleType};
@@ -14,7 +14,7 @@ use crate::sidecar;
 use crate::source::{Header, RowSource, Source, Spacing};
 
 /// No deflate stream grows by more than this factor.
-const MAX_DEFLATE_RATIO: u64 = 1032;
+pub(crate) const MAX_DEFLATE_RATIO: u64 = 1032;
 
 /// What the decoder may hold beside the rows, bytes.
 const DECODER_BYTES: usize = 64 << 20;
@@ -22,10 +22,7 @@ const DECODER_BYTES: usize = 64 << 20;
 /// Opens a picture.
 pub(crate) fn open(place: &Place, options: &ImportOptions) -> Result<Source> {
     let (reader, bytes) = place.open()?;
-    let mut decoder = png::Decoder::new_with_limits(reader, Limits { bytes: DECODER_BYTES });
-    decoder.set_transformations(Transformations::IDENTITY);
-    decoder.set_ignore_text_chunk(true);
-    decoder.set_ignore_iccp_chunk(true);
+    let mut decoder = decoder(reader, Transformations::IDENTITY);
     // The header alone, before the decoder makes buffers for it.
     let info = decoder.read_header_info().map_err(|err| reading(place, err))?;
     let (width, depth) =
@@ -108,7 +105,17 @@ impl RowSource for PngRows {
     }
 }
 
-fn reading(place: &Place, err: DecodingError) -> crate::Error {
+/// A decoder that reads no more than the picture, and holds little beside it.
+pub(crate) fn decoder<R: BufRead + Seek>(reader: R, transformations: Transformations) -> Decoder<R> {
+    let mut decoder = Decoder::new_with_limits(reader, Limits { bytes: DECODER_BYTES });
+    decoder.set_transformations(transformations);
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    decoder
+}
+
+/// An error of the decoder.
+pub(crate) fn reading(place: &Place, err: DecodingError) -> crate::Error {
     match err {
         DecodingError::IoError(err) => place.reading(err),
         DecodingError::LimitsExceeded => {
