@@ -48,6 +48,14 @@ pub enum Error {
         /// The endings that are known in this direction.
         known: &'static str,
     },
+    /// A file whose first bytes tell no format. Convert it.
+    #[error("{path}: it is no picture that is read here; {known} are", path = path.display())]
+    UnknownContent {
+        /// The file.
+        path: PathBuf,
+        /// The formats that are known.
+        known: &'static str,
+    },
     /// A headless file whose size does not follow from its length. Give the size.
     #[error(
         "{path}: {bytes} bytes of {sample_bytes}-byte samples are no square, so the size cannot be told: \
@@ -189,6 +197,16 @@ pub enum Error {
         /// Name of the option.
         option: &'static str,
         /// The value, the limit and what to give.
+        reason: String,
+    },
+    /// Values that do not make a bitmap.
+    #[error("a bitmap of {width} x {height} cannot be made: {reason}")]
+    Bitmap {
+        /// Pixels in a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// What is wrong, and the limit.
         reason: String,
     },
     /// A buffer that does not hold whole rows.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
-/// A file format for heightfields.
+/// A file format: those of heightfields, and one more of the bitmaps of brushes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -24,6 +24,8 @@ pub enum Format {
     Hgt,
     /// NumPy arrays, `.npy`.
     Npy,
+    /// OpenEXR, for bitmaps ([`crate::read_bitmap`]) and not for heights.
+    Exr,
 }
 
 /// Which way a file goes.
@@ -108,6 +110,7 @@ impl fmt::Display for Format {
             Self::Tiff => "TIFF",
             Self::Hgt => "HGT",
             Self::Npy => "NPY",
+            Self::Exr => "EXR",
         })
     }
 }

@@ -14,6 +14,8 @@
 //! - Declared sizes are checked against limits and against the file's length before anything is allocated.
 //! - An export appears under its name whole or not at all.
 //!
+//! [`read_bitmap`] reads a picture, PNG or OpenEXR, as the alpha bitmap of a brush.
+//!
 //! This crate knows nothing of terrains, layers or pages; it depends on no other crate of the workspace.
 //!
 //! ```
@@ -36,6 +38,7 @@
 //! # }
 //! ```
 
+mod bitmap;
 mod error;
 mod export;
 mod fill;
@@ -52,6 +55,7 @@ mod sidecar;
 mod source;
 mod write;
 
+pub use bitmap::{Bitmap, MAX_BITMAP_SIDE, read_bitmap};
 pub use error::{Error, Result};
 pub use export::{Export, Exported, create, temporary_beside};
 pub use format::{ByteOrder, Direction, Format, SampleType};

@@ -140,7 +140,7 @@ impl ExportOptions {
                 (SampleType::U16, &[SampleType::U8, SampleType::U16, SampleType::I16, SampleType::F32])
             }
             Format::Hgt => (SampleType::I16, &[SampleType::I16]),
-            Format::R32 | Format::Tiff | Format::Npy => (SampleType::F32, &[SampleType::F32]),
+            Format::R32 | Format::Tiff | Format::Npy | Format::Exr => (SampleType::F32, &[SampleType::F32]),
         };
         let sample = self.sample.unwrap_or(sample);
         refuse_unless(allowed.contains(&sample), "sample", format, "it cannot hold that sample type")?;

@@ -3,7 +3,7 @@
 mod flat;
 mod hgt;
 mod npy;
-mod png;
+pub(crate) mod png;
 mod raw;
 mod tiff;
 
@@ -21,5 +21,6 @@ pub(crate) fn open(place: &Place, options: &ImportOptions) -> Result<Source> {
         Format::Tiff => tiff::open(place, options),
         Format::Hgt => hgt::open(place, options),
         Format::Npy => npy::open(place, options),
+        Format::Exr => Err(place.unsupported("it is read as the bitmap of a brush, not as heights")),
     }
 }

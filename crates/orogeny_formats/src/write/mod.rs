@@ -40,5 +40,6 @@ pub(crate) fn create(file: File, target: &Target) -> Result<Box<dyn RowSink>> {
         Format::Tiff => tiff::create(file, target),
         Format::Npy => flat::create_npy(file, target),
         Format::R16 | Format::Raw | Format::R32 | Format::Hgt => flat::create(file, target),
+        Format::Exr => Err(target.place.unsupported("it is read as the bitmap of a brush, and not written")),
     }
 }
