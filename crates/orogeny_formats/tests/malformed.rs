@@ -12,7 +12,7 @@ mod common;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use common::{DEPTH, WIDTH, fixtures, import, names};
+use common::{DEPTH, WIDTH, crc32, fixtures, import, names};
 use orogeny_formats::{Error, Format, ImportOptions, NodataPolicy, SampleType, open};
 use proptest::prelude::*;
 
@@ -309,14 +309,4 @@ fn the_corpus_is_whole() {
             path.display()
         );
     }
-}
-
-/// The checksum of PNG chunks.
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(u32::MAX, |crc, byte| {
-        (0..8).fold(
-            crc ^ u32::from(*byte),
-            |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 },
-        )
-    })
 }
