@@ -101,6 +101,47 @@ pub enum Error {
         /// The last one.
         top: u8,
     },
+    /// A preset, or a name for one, that cannot be used. Mend what is named.
+    #[error("{place} cannot be used: {detail}")]
+    Preset {
+        /// Which one, or its file.
+        place: String,
+        /// What is wrong with it.
+        detail: String,
+    },
+    /// There is no such preset.
+    #[error("there is no preset `{name}`; {advice}")]
+    UnknownPreset {
+        /// What was asked for.
+        name: String,
+        /// Names that could have been meant.
+        advice: String,
+    },
+    /// There is a preset of that name, and nothing was said of replacing it.
+    #[error(
+        "there is a preset of the name `{name}` already, `{}`: give another name, or ask for it to be replaced",
+        path.display()
+    )]
+    PresetExists {
+        /// The name.
+        name: String,
+        /// Its file.
+        path: PathBuf,
+    },
+    /// What comes with the program cannot be removed.
+    #[error(
+        "the preset `{name}` comes with the program and cannot be removed; one of yours with the same name stands in for it"
+    )]
+    FactoryPreset {
+        /// The name.
+        name: String,
+    },
+    /// The system names no folder for data.
+    #[error("there is no folder for presets: name one with `--presets` or in `OROGENY_PRESETS`")]
+    NoPresetFolder,
+    /// A picture could not be coded.
+    #[error("the picture could not be coded as PNG: {0}")]
+    Png(#[from] png::EncodingError),
     /// A file could not be read.
     #[error("`{}` could not be read: {source}", path.display())]
     Read {
@@ -109,7 +150,7 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
-    /// A picture could not be written.
+    /// A file could not be written, or removed.
     #[error("`{}` could not be written: {source}", path.display())]
     Write {
         /// Where to.

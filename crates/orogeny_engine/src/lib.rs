@@ -30,14 +30,18 @@ mod composite;
 mod description;
 mod error;
 mod export;
+mod ground;
 mod history;
 mod import;
 mod map;
 mod operation;
 mod pages;
+mod palette;
+mod picture;
 mod progress;
 mod replay;
 mod terrain;
+mod whole_file;
 
 pub use apply::Applied;
 pub use backend::{Adapter, Settings, backend_description};
@@ -57,6 +61,7 @@ pub use orogeny_store::{
     Change, CheckReport, Direction as HistoryDirection, Dropped, Entry, EntryId, EntryState, HistorySummary,
     Layer, Repaired, Salvaged,
 };
+pub use picture::Picture;
 pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;
 pub use terrain::Terrain;

@@ -1,16 +1,14 @@
 //! A shaded map from above: hillshade with a tint by height.
 
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use orogeny_field::{PageKey, SampleRect};
 
 use crate::composite::Source;
+use crate::ground::Ground;
+use crate::picture::{MAX_SIDE_PX, Picture, Ramp, colour_at};
 use crate::progress::report;
 use crate::{Error, Observer, Result, Terrain};
-
-/// The longest side of a picture, in pixels.
-const MAX_SIDE_PX: u32 = 8192;
 
 /// Light from the north-west, the convention of maps, and weaker light from both sides of it, so that no slope is black:
 /// azimuth in degrees from north, clockwise; share of the light.
@@ -22,7 +20,7 @@ const AMBIENT: f32 = 0.32;
 const DIRECT: f32 = 0.95;
 
 /// Colours (sRGB) from the lowest to the highest ground.
-const TINTS: [(f32, [f32; 3]); 6] = [
+const TINTS: Ramp<6> = [
     (0.0, [86.0, 124.0, 84.0]),
     (0.25, [146.0, 164.0, 104.0]),
     (0.45, [208.0, 192.0, 138.0]),
@@ -71,14 +69,6 @@ impl MapRequest {
     }
 }
 
-/// Mean heights, one a pixel.
-struct Picture {
-    width: usize,
-    heights: Vec<f32>,
-    /// Metres between pixels.
-    spacing_m: f32,
-}
-
 impl Terrain {
     /// Draws the composite from above.
     ///
@@ -92,12 +82,11 @@ impl Terrain {
         let rect = self.region(request.region_m)?;
         let _unchanging = self.settled()?.snapshot()?;
         let samples_per_px = rect.width().div_ceil(width).max(rect.depth().div_ceil(height));
-        let (picture, level, damaged) = self.mean_heights(rect, samples_per_px, observer)?;
-        let range_m = request.range_m.unwrap_or_else(|| picture.range_m());
-        let pixels = picture.shaded(range_m);
+        let (ground, level, damaged) = self.mean_heights(rect, samples_per_px, observer)?;
+        let range_m = request.range_m.unwrap_or_else(|| ground.range_m());
         let (width_px, height_px) =
             (rect.width().div_ceil(samples_per_px), rect.depth().div_ceil(samples_per_px));
-        write_png(&request.file, width_px, height_px, &pixels)?;
+        Picture { width_px, height_px, rgb: shaded(&ground, range_m) }.write(&request.file)?;
         let notice = |key: &PageKey| {
             let PageKey { level, x, z, .. } = key;
             format!(
@@ -109,14 +98,14 @@ impl Terrain {
         Ok(MapSummary { file, width_px, height_px, samples_per_px, range_m, level, notices })
     }
 
-    /// Also the level that was read and the damaged pages met: the finest level that has at least two samples a pixel each
-    /// way, so that a map costs its pixels, and of the terrain only what is painted.
-    fn mean_heights(
+    /// Mean heights, one a pixel; also the level that was read and the damaged pages met. Read is the finest level that has
+    /// at least two samples a pixel each way, so that a map costs its pixels, and of the terrain only what is painted.
+    pub(crate) fn mean_heights(
         &self,
         rect: SampleRect,
         samples_per_px: u32,
         observer: &mut dyn Observer,
-    ) -> Result<(Picture, u8, Vec<PageKey>)> {
+    ) -> Result<(Ground, u8, Vec<PageKey>)> {
         let width = rect.width().div_ceil(samples_per_px) as usize;
         let depth = rect.depth().div_ceil(samples_per_px) as usize;
         let top = self.store()?.layout().top_level(&self.grid());
@@ -171,126 +160,47 @@ impl Terrain {
             heights.copy_within((depth - 2) * width..(depth - 1) * width, (depth - 1) * width);
         }
         let spacing_m = (self.grid().spacing_m() * f64::from(samples_per_px)) as f32;
-        Ok((Picture { width, heights, spacing_m }, level, damaged))
+        Ok((Ground { width, heights, spacing_m }, level, damaged))
     }
 }
 
-impl Picture {
-    fn range_m(&self) -> [f32; 2] {
-        let lowest = self.heights.iter().copied().fold(f32::INFINITY, f32::min);
-        [lowest, self.heights.iter().copied().fold(f32::NEG_INFINITY, f32::max)]
-    }
-
-    /// The height of a pixel, or of the nearest where there is none.
-    fn at(&self, x: isize, z: isize) -> f32 {
-        let last_row = (self.heights.len() / self.width).cast_signed() - 1;
-        let x = x.clamp(0, self.width.cast_signed() - 1).unsigned_abs();
-        let z = z.clamp(0, last_row).unsigned_abs();
-        self.heights.get(z * self.width + x).copied().unwrap_or_default()
-    }
-
-    /// The upward normal by Horn's weighted differences (Horn 1981).
-    fn normal(&self, x: isize, z: isize) -> [f32; 3] {
-        let column = |x: isize| self.at(x, z - 1) + 2.0 * self.at(x, z) + self.at(x, z + 1);
-        let row = |z: isize| self.at(x - 1, z) + 2.0 * self.at(x, z) + self.at(x + 1, z);
-        let slope_x = (column(x + 1) - column(x - 1)) / (8.0 * self.spacing_m);
-        let slope_z = (row(z + 1) - row(z - 1)) / (8.0 * self.spacing_m);
-        let length = (slope_x * slope_x + slope_z * slope_z + 1.0).sqrt();
-        [-slope_x / length, 1.0 / length, -slope_z / length]
-    }
-
-    /// RGB bytes, row by row.
-    fn shaded(&self, [low_m, high_m]: [f32; 2]) -> Vec<u8> {
-        let lights = LIGHTS.map(|(azimuth, share)| {
-            let (azimuth, altitude) = (azimuth.to_radians(), LIGHT_ALTITUDE_DEGREES.to_radians());
-            // North is -z.
-            let to_light = [azimuth.sin() * altitude.cos(), altitude.sin(), -azimuth.cos() * altitude.cos()];
-            (to_light, share)
-        });
-        let span_m = (high_m - low_m).max(f32::MIN_POSITIVE);
-        let num_rows = self.heights.len() / self.width;
-        let mut pixels = Vec::with_capacity(self.heights.len() * 3);
-        for z in 0..num_rows.cast_signed() {
-            for x in 0..self.width.cast_signed() {
-                let normal = self.normal(x, z);
-                let light: f32 = lights
-                    .iter()
-                    .map(|(to_light, share)| {
-                        let cosine: f32 = normal.iter().zip(to_light).map(|(n, l)| n * l).sum();
-                        share * cosine.max(0.0)
-                    })
-                    .sum();
-                let tint = tint(((self.at(x, z) - low_m) / span_m).clamp(0.0, 1.0));
-                pixels.extend(
-                    tint.map(|channel| (channel * (AMBIENT + DIRECT * light)).clamp(0.0, 255.0) as u8),
-                );
-            }
-        }
-        pixels
-    }
-}
-
-fn tint(t: f32) -> [f32; 3] {
-    let mut colour = [0.0; 3];
-    for pair in TINTS.windows(2) {
-        if let [(start, from), (end, to)] = pair
-            && t >= *start
-        {
-            let share = ((t - start) / (end - start)).min(1.0);
-            for (channel, (from, to)) in colour.iter_mut().zip(from.iter().zip(to)) {
-                *channel = from + share * (to - from);
-            }
+/// RGB bytes, row by row.
+fn shaded(ground: &Ground, [low_m, high_m]: [f32; 2]) -> Vec<u8> {
+    let lights = LIGHTS.map(|(azimuth, share)| {
+        let (azimuth, altitude) = (azimuth.to_radians(), LIGHT_ALTITUDE_DEGREES.to_radians());
+        // North is -z.
+        let to_light = [azimuth.sin() * altitude.cos(), altitude.sin(), -azimuth.cos() * altitude.cos()];
+        (to_light, share)
+    });
+    let span_m = (high_m - low_m).max(f32::MIN_POSITIVE);
+    let mut pixels = Vec::with_capacity(ground.heights.len() * 3);
+    for z in 0..ground.depth().cast_signed() {
+        for x in 0..ground.width.cast_signed() {
+            let normal = ground.normal(x, z);
+            let light: f32 = lights
+                .iter()
+                .map(|(to_light, share)| {
+                    let cosine: f32 = normal.iter().zip(to_light).map(|(n, l)| n * l).sum();
+                    share * cosine.max(0.0)
+                })
+                .sum();
+            let tint = colour_at(&TINTS, ((ground.at(x, z) - low_m) / span_m).clamp(0.0, 1.0));
+            pixels.extend(tint.map(|channel| (channel * (AMBIENT + DIRECT * light)).clamp(0.0, 255.0) as u8));
         }
     }
-    colour
-}
-
-/// Writes an RGB picture, which appears whole or not at all.
-fn write_png(path: &Path, width: u32, height: u32, pixels: &[u8]) -> Result<()> {
-    let failed = |source: std::io::Error| Error::Write { path: path.to_owned(), source };
-    let mut temporary =
-        orogeny_formats::temporary_beside(path).map_err(|err| failed(std::io::Error::other(err)))?;
-    {
-        let mut encoder = png::Encoder::new(BufWriter::new(temporary.as_file_mut()), width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::High);
-        let encode = || -> Result<(), png::EncodingError> {
-            let mut writer = encoder.write_header()?;
-            writer.write_image_data(pixels)?;
-            writer.finish()
-        };
-        encode().map_err(|err| failed(std::io::Error::other(err)))?;
-    }
-    temporary.as_file_mut().flush().map_err(failed)?;
-    temporary.persist(path).map_err(|err| failed(err.error))?;
-    Ok(())
+    pixels
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn plane(width: usize, depth: usize, height: impl Fn(f32, f32) -> f32) -> Picture {
-        let heights = (0..width * depth).map(|k| height((k % width) as f32, (k / width) as f32)).collect();
-        Picture { width, heights, spacing_m: 1.0 }
-    }
-
-    #[test]
-    fn the_normal_of_a_plane_is_exact() {
-        let picture = plane(5, 5, |x, z| 0.75 * x - 0.5 * z);
-        let length = (0.75_f32 * 0.75 + 0.5 * 0.5 + 1.0).sqrt();
-        for (found, expected) in picture.normal(2, 2).iter().zip([-0.75 / length, 1.0 / length, 0.5 / length])
-        {
-            assert!((found - expected).abs() < 1.0e-6);
-        }
-    }
-
     #[test]
     fn slopes_to_the_north_west_are_the_brightest() {
         let brightness = |slope_x: f32, slope_z: f32| {
-            let picture = plane(3, 3, |x, z| slope_x * x + slope_z * z);
-            picture.shaded([-1.0e6, 1.0e6]).get(12).copied().unwrap()
+            let height = |k: usize| slope_x * (k % 3) as f32 + slope_z * (k / 3) as f32;
+            let plane = Ground { width: 3, heights: (0..9).map(height).collect(), spacing_m: 1.0 };
+            shaded(&plane, [-1.0e6, 1.0e6]).get(12).copied().unwrap()
         };
         let (towards, flat, away) = (brightness(0.5, 0.5), brightness(0.0, 0.0), brightness(-0.5, -0.5));
         assert!(towards > flat && flat > away, "{towards} {flat} {away}");
@@ -311,23 +221,5 @@ mod tests {
             let summary = terrain.draw_map(&request, &mut Quiet).unwrap();
             assert_eq!((summary.level, summary.range_m), (1, [50.0, 50.0]), "{region_m:?}");
         }
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_picture_has_the_permissions_of_any_new_file() {
-        use std::os::unix::fs::PermissionsExt as _;
-        let folder = tempfile::tempdir().unwrap();
-        let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode();
-        std::fs::write(folder.path().join("any"), "").unwrap();
-        write_png(&folder.path().join("map.png"), 1, 1, &[1, 2, 3]).unwrap();
-        assert_eq!(mode(&folder.path().join("map.png")), mode(&folder.path().join("any")));
-    }
-
-    #[test]
-    fn tints_run_from_the_first_to_the_last() {
-        assert_eq!(tint(0.0), TINTS[0].1);
-        assert_eq!(tint(1.0), TINTS[5].1);
-        assert_eq!(tint(0.45), TINTS[2].1);
     }
 }
