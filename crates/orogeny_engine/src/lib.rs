@@ -38,7 +38,9 @@ mod operation;
 mod pages;
 mod palette;
 mod picture;
+pub mod presets;
 mod progress;
+mod relief;
 mod replay;
 mod terrain;
 mod whole_file;
@@ -62,6 +64,7 @@ pub use orogeny_store::{
     Layer, Repaired, Salvaged,
 };
 pub use picture::Picture;
+pub use presets::{Preset, Presets};
 pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;
 pub use terrain::Terrain;

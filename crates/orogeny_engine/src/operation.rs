@@ -4,7 +4,7 @@ use orogeny_field::{Brush, PointerSample, Stroke};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::{Error, Result};
+use crate::{Error, Presets, Result};
 
 /// A layer, by its id or its name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -65,32 +65,41 @@ struct FillFields {
 }
 
 impl Operation {
-    /// Reads an operation from JSON text.
+    /// Reads an operation from JSON text. Its brush may name a preset that comes with the program.
     ///
     /// # Errors
-    /// [`Error::Operation`] or [`Error::Field`], naming the field.
+    /// As [`Self::from_json_with`].
     pub fn from_json_text(text: &str) -> Result<Self> {
         let value = serde_json::from_str(text).map_err(|err| not_understood("the operation", &err))?;
         Self::from_json(value)
     }
 
-    /// Reads an operation.
+    /// Reads an operation. Its brush may name a preset that comes with the program.
     ///
     /// # Errors
-    /// [`Error::Operation`] or [`Error::Field`], naming the field.
+    /// As [`Self::from_json_with`].
     pub fn from_json(value: Value) -> Result<Self> {
+        Self::from_json_with(value, Presets::factory())
+    }
+
+    /// Reads an operation whose brush may name any of these presets. The operation holds the whole brush then: what becomes
+    /// of the preset does not matter to it.
+    ///
+    /// # Errors
+    /// [`Error::Operation`] or [`Error::Field`], naming the field; [`Error::UnknownPreset`].
+    pub fn from_json_with(value: Value, presets: &Presets) -> Result<Self> {
         let understood = |err: serde_json::Error| not_understood("the operation", &err);
         let name = value.get("op").and_then(Value::as_str).unwrap_or_default().to_owned();
         match name.as_str() {
             "stroke" => {
                 let fields: StrokeFields = serde_json::from_value(value).map_err(understood)?;
-                let brush = Brush::from_json(&fields.brush)?;
+                let brush = presets.brush(&fields.brush)?;
                 let stroke = Stroke { brush, seed: fields.seed, points: fields.points };
                 Ok(Self::Stroke { layer: fields.layer, stroke })
             }
             "fill" => {
                 let fields: FillFields = serde_json::from_value(value).map_err(understood)?;
-                let brush = Brush::from_json(&fields.brush)?;
+                let brush = presets.brush(&fields.brush)?;
                 Ok(Self::Fill { layer: fields.layer, brush, seed: fields.seed, region_m: fields.region })
             }
             _ => Err(Error::Operation {
@@ -161,11 +170,11 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// Reads `{"operations": […]}`.
+    /// Reads `{"operations": […]}`, whose brushes may name any of these presets.
     ///
     /// # Errors
     /// [`Error::Operation`] naming the operation and the field.
-    pub fn from_json_text(text: &str) -> Result<Self> {
+    pub fn from_json_text(text: &str, presets: &Presets) -> Result<Self> {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
         struct Fields {
@@ -174,7 +183,7 @@ impl Recipe {
         let fields: Fields = serde_json::from_str(text).map_err(|err| not_understood("the recipe", &err))?;
         let count = fields.operations.len();
         let read = |(index, value)| {
-            Operation::from_json(value).map_err(|err| Error::Operation {
+            Operation::from_json_with(value, presets).map_err(|err| Error::Operation {
                 place: format!("operation {} of {count} of the recipe", index + 1),
                 detail: match err {
                     Error::Operation { detail, .. } => detail,
@@ -238,8 +247,12 @@ mod tests {
                 r#"{"operations": [{"op": "stroke", "brush": {"type": "raise"}, "points": [[1]]}]}"#,
                 &["point"],
             ),
+            (
+                r#"{"operations": [{"op": "fill", "brush": {"preset": "Trensh"}}]}"#,
+                &["operation 1 of 1", "Trensh", "`Trench`"],
+            ),
         ] {
-            let err = Recipe::from_json_text(text).unwrap_err().to_string();
+            let err = Recipe::from_json_text(text, Presets::factory()).unwrap_err().to_string();
             for word in words {
                 assert!(err.contains(word), "{text}: {err}");
             }
