@@ -20,6 +20,7 @@ mod job;
 mod levels;
 mod machine;
 mod memory;
+mod presets;
 mod program;
 mod round_trip;
 mod sparse;

@@ -54,6 +54,8 @@ impl Folder {
     pub fn command(&self, line: &str) -> Command {
         let mut command = Command::new(binary());
         command.current_dir(self.0.path()).args(line.split_whitespace()).stdin(Stdio::null());
+        // Whoever runs the tests may have presets of their own.
+        command.env("OROGENY_PRESETS", self.path("presets"));
         if !line.contains("--adapter") {
             command.args(["--adapter", "cpu"]);
         }

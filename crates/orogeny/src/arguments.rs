@@ -1,12 +1,13 @@
 //! The command line: global options and the list of commands. Each command's own arguments lie beside it.
 
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
-    apply, brushes, check, compact, demo, doctor, export, import, info, jump, log, new, redo, render, replay,
-    salvage, undo,
+    apply, brushes, check, compact, demo, doctor, export, import, info, jump, log, new, presets, redo,
+    render, replay, salvage, undo,
 };
 
 /// A GPU brush engine for heightfields: make, import, brush, undo, draw and export terrains.
@@ -35,6 +36,9 @@ pub struct Global {
     /// Threads of the CPU back end [default: one a core]
     #[arg(long, global = true, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+    /// The folder of your presets [default: what OROGENY_PRESETS says, else `orogeny/presets` in the system's folder for data]
+    #[arg(long, global = true, value_name = "FOLDER")]
+    pub presets: Option<PathBuf>,
     /// Report as one JSON object on standard output; errors as one on standard error
     #[arg(long, global = true)]
     pub json: bool,
@@ -76,6 +80,8 @@ pub enum Command {
     Render(render::Arguments),
     /// List the brushes with their parameters, ranges and defaults
     Brushes(brushes::Arguments),
+    /// List, show, draw, share and save presets: brushes under names
+    Presets(presets::Arguments),
     /// Tell what this machine can do
     Doctor(doctor::Arguments),
     /// Do the main job on a real terrain that comes along: import, brush, undo, export, draw

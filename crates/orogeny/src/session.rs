@@ -1,8 +1,9 @@
 //! What all commands share: the settings of the engine and the way to report.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use orogeny_engine::{Adapter, Settings, Terrain};
+use orogeny_engine::presets::user_presets_folder;
+use orogeny_engine::{Adapter, Presets, Settings, Terrain};
 use tracing_subscriber::filter::LevelFilter;
 
 use crate::arguments::Global;
@@ -13,6 +14,7 @@ use crate::output::Output;
 pub struct Session {
     settings: Settings,
     output: Output,
+    presets_folder: Option<PathBuf>,
 }
 
 impl Session {
@@ -37,7 +39,7 @@ impl Session {
             num_threads: global.threads.map(Into::into),
             author: user.unwrap_or_default(),
         };
-        Self { settings, output: Output::new(global.json) }
+        Self { settings, output: Output::new(global.json), presets_folder: global.presets.clone() }
     }
 
     /// How the engine is to work.
@@ -48,6 +50,11 @@ impl Session {
     /// Where reports go.
     pub const fn output(&self) -> Output {
         self.output
+    }
+
+    /// The presets that come with the program and the user's.
+    pub fn presets(&self) -> Presets {
+        Presets::open(self.presets_folder.clone().or_else(user_presets_folder))
     }
 
     /// Opens a terrain for reading, beside whoever writes it.

@@ -7,7 +7,8 @@ use std::time::Instant;
 use anyhow::anyhow;
 use clap::Args;
 use orogeny_engine::{
-    Applied, BrushType, ExportOptions, ExportRequest, ImportRequest, MapRequest, Operation, Recipe, Terrain,
+    Applied, BrushType, ExportOptions, ExportRequest, ImportRequest, MapRequest, Operation, Presets, Recipe,
+    Terrain,
 };
 use serde::Serialize;
 
@@ -113,7 +114,7 @@ impl Demo<'_> {
     }
 
     fn paint(&mut self, terrain: &mut Terrain) -> anyhow::Result<Vec<Applied>> {
-        let recipe = Recipe::from_json_text(RECIPE)?;
+        let recipe = Recipe::from_json_text(RECIPE, Presets::factory())?;
         let applied = terrain.apply(&recipe.operations, &mut ProgressWatch::new())?;
         self.step(format!("applied {} of recipe.json", count(applied.len() as u64, "operation")))?;
         for brush_type in BrushType::ALL {

@@ -12,6 +12,7 @@ pub mod info;
 pub mod jump;
 pub mod log;
 pub mod new;
+pub mod presets;
 pub mod redo;
 pub mod render;
 pub mod replay;
@@ -43,6 +44,7 @@ pub fn run(command: Command, session: &Session) -> anyhow::Result<()> {
         Command::Export(arguments) => export::run(arguments, session),
         Command::Render(arguments) => render::run(arguments, session),
         Command::Brushes(arguments) => brushes::run(&arguments, session),
+        Command::Presets(arguments) => presets::run(&arguments, session),
         Command::Doctor(arguments) => doctor::run(&arguments, session),
         Command::Demo(arguments) => demo::run(&arguments, session),
     }
