@@ -46,6 +46,16 @@ struct Counters {
     num_clamped: u32,
 }
 
+/// What a custom brush is told beside its parameters.
+#[repr(C)]
+struct Custom {
+    spacing_m: f32,
+    radius_m: f32,
+}
+
+/// Structs that users' files declare, member by member: theirs is the layout of `f32`s one after another.
+const OF_USERS: [(&str, &str); 1] = [("custom/brush", "Parameters")];
+
 fn mirrors() -> Vec<Mirror> {
     vec![
         mirror!(
@@ -69,6 +79,7 @@ fn mirrors() -> Vec<Mirror> {
             }
         ),
         mirror!("Counters", Counters { num_clamped }),
+        mirror!("Custom", Custom { spacing_m, radius_m }),
     ]
 }
 
@@ -122,6 +133,9 @@ fn problems(shaders: &[Shader], mirrors: &[Mirror]) -> Vec<String> {
     let mut met = BTreeSet::new();
     for shader in shaders {
         for name in bound_structs(shader) {
+            if OF_USERS.contains(&(&*shader.stem, name.as_str())) {
+                continue;
+            }
             match mirrors.iter().find(|mirror| mirror.name == name) {
                 None => problems.push(format!("{}: `{name}` is bound, but has no mirror", shader.stem)),
                 Some(mirror) => {

@@ -12,7 +12,7 @@ use super::text;
 use crate::error::{Error, Result};
 
 /// The folders whose files are entry points.
-pub(crate) const ENTRY_FOLDERS: &[&str] = &["brush", "editor", "field", "terrain"];
+pub(crate) const ENTRY_FOLDERS: &[&str] = &["brush", "custom", "editor", "field", "terrain"];
 
 /// More files than any real shader folder has.
 const MAX_FILES: usize = 4096;

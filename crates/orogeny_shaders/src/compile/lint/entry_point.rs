@@ -7,7 +7,7 @@ pub(super) const LINT: Lint = Lint {
     name: "entry_point",
     summary: "an entry-point file has exactly one entry point, named `main`; lib/ and driver/ have none",
     why: "one stage has one file and one name everywhere: shader, reference, kernel and test",
-    fix: "give each entry point its own file below brush/, editor/, field/ or terrain/ and call it `main`",
+    fix: "give each entry point its own file below brush/, custom/, editor/, field/ or terrain/ and call it `main`",
 };
 
 const STAGES: &[&str] = &["compute", "fragment", "vertex"];
