@@ -38,8 +38,9 @@ fn build() -> Result<(), Box<dyn std::error::Error>> {
     let root = manifest_dir.join("../../shaders");
     writeln!(io::stdout(), "cargo::rerun-if-changed={}", root.display())?;
 
-    let shaders = compile::compile_dir(&root)?;
+    let tree = compile::SourceTree::load(&root)?;
+    let shaders = compile::compile_tree(&tree)?;
     let generated = PathBuf::from(env::var("OUT_DIR")?).join("shaders.rs");
-    fs::write(generated, embed::rust_source(&shaders)?)?;
+    fs::write(generated, embed::rust_source(&tree, &shaders)?)?;
     Ok(())
 }

@@ -1,19 +1,34 @@
-//! Compiled shaders as Rust source: the generated `SHADERS` table.
+//! Compiled shaders as Rust source: the generated `SHADERS` table, and the files that a custom brush is compiled with.
 //!
 //! Every value is written in the order the compiler gives it, which is sorted, so the same folder always
 //! generates the same bytes.
 
 use std::fmt::{Result, Write};
 
+use crate::compile::SourceTree;
 use crate::shader::{Binding, BindingKind, LineRun, Member, Override, Shader, Struct};
 
+/// The shader that runs the brushes of users.
+const CUSTOM: &str = "custom/brush";
+
 /// The text of `shaders.rs`, which `src/lib.rs` includes.
-pub(crate) fn rust_source(shaders: &[Shader]) -> std::result::Result<String, std::fmt::Error> {
+pub(crate) fn rust_source(
+    tree: &SourceTree,
+    shaders: &[Shader],
+) -> std::result::Result<String, std::fmt::Error> {
     let mut out = String::new();
     writeln!(out, "/// Every shader of the `shaders/` folder, sorted by stem.")?;
     writeln!(out, "pub static SHADERS: &[Shader] = &[")?;
     for shader in shaders {
         write_shader(&mut out, shader)?;
+    }
+    writeln!(out, "];")?;
+
+    writeln!(out, "/// The files of `{CUSTOM}` as they were written, by their paths below `shaders/`.")?;
+    writeln!(out, "pub(crate) static CUSTOM_FILES: &[(&str, &str)] = &[")?;
+    let custom = shaders.iter().find(|shader| shader.stem == CUSTOM);
+    for path in custom.iter().flat_map(|shader| shader.sources.iter()) {
+        writeln!(out, "({path:?}, {:?}),", tree.get(path).unwrap_or_default())?;
     }
     writeln!(out, "];")?;
     Ok(out)

@@ -47,6 +47,31 @@ pub enum Error {
         /// What is wrong and where; never empty.
         diagnostics: Vec<Diagnostic>,
     },
+
+    /// A custom brush is wrong; every error found, sorted by line.
+    #[error("{} in {file}\n\n{}", count(diagnostics), list(diagnostics))]
+    BrokenBrush {
+        /// The file, as the caller named it.
+        file: String,
+        /// What is wrong and where; never empty.
+        diagnostics: Vec<Diagnostic>,
+    },
+
+    /// The compiler stopped in the middle of a custom brush, which is a mistake in the compiler: report the file.
+    #[error(
+        "the shader compiler failed on {file}; write the brush in another way, and report the file as a mistake"
+    )]
+    CompilerFailed {
+        /// The file, as the caller named it.
+        file: String,
+    },
+
+    /// The system gave no thread to compile a custom brush on: try again when it has less to do.
+    #[error("no thread to compile the brush on: {source}; try again when the system has less to do")]
+    Thread {
+        /// What the system said.
+        source: io::Error,
+    },
 }
 
 fn count(diagnostics: &[Diagnostic]) -> String {

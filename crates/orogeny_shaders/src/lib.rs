@@ -7,6 +7,8 @@
 //! The same compiler is here at run time ([`compile_dir`], [`compile_tree`]), for shaders that change while the
 //! program runs. It makes the same [`Shader`] values, and an [`Error::Broken`] leaves the caller with what it had.
 //!
+//! Brushes that users write are compiled by [`custom`], under rules of their own.
+//!
 //! This crate knows no GPU: pipelines are made by `orogeny_gpu` from what is reflected here. The rules of the
 //! folder itself (includes, groups, precision, names) are in `shaders/README.md`.
 //!
@@ -18,6 +20,7 @@
 //! ```
 
 mod compile;
+pub mod custom;
 mod error;
 mod shader;
 

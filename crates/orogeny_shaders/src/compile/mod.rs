@@ -2,18 +2,19 @@
 //!
 //! Read in this order: [`tree`] (the files), [`resolve`] (includes), [`validate`] (naga), [`lint`] (house rules),
 //! [`reflect`] (layouts). [`text`] and [`diagnostic`] serve them all. The build script and the library share
-//! these modules, so they use nothing but naga.
+//! these modules, so they use nothing but naga. A brush that a user wrote passes through them too, file by file
+//! ([`crate::custom`]).
 //!
 //! Modules of `lib/` are compiled twice: inside every kernel that includes them, and alone. So errors in two of
 //! them are both reported even where one kernel includes both, and a module includes what it uses.
 
-mod diagnostic;
+pub(crate) mod diagnostic;
 pub(crate) mod lint;
-mod reflect;
-mod resolve;
-mod text;
-mod tree;
-mod validate;
+pub(crate) mod reflect;
+pub(crate) mod resolve;
+pub(crate) mod text;
+pub(crate) mod tree;
+pub(crate) mod validate;
 
 #[cfg(test)]
 mod tests;
@@ -75,7 +76,7 @@ pub fn compile_tree(tree: &SourceTree) -> Result<Vec<Shader>> {
 }
 
 /// Flattens, parses, validates and lints one file; no module if any of that failed.
-fn compile_module(
+pub(crate) fn compile_module(
     tree: &SourceTree,
     path: &str,
     diagnostics: &mut Vec<Diagnostic>,
@@ -86,7 +87,7 @@ fn compile_module(
         return (flattened, None);
     }
     match validate::parse_and_validate(tree, &flattened) {
-        Ok(module) => {
+        Ok((module, _)) => {
             lint::check_module(tree, &flattened, &module, diagnostics);
             (flattened, Some(module))
         }

@@ -1,5 +1,7 @@
 //! WGSL text without a grammar: comments, tokens and positions. Enough for include lines and for lints by name.
 
+use std::ops::Range;
+
 /// A word or a single other character of the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Token<'a> {
@@ -15,6 +17,16 @@ pub(crate) struct Token<'a> {
 ///
 /// The offset of a block comment that never ends.
 pub(crate) fn without_comments(source: &str) -> Result<String, usize> {
+    Ok(split_comments(source)?.0)
+}
+
+/// The text without its comments, and where its line comments are, each from its `//` to the end of the line.
+///
+/// # Errors
+///
+/// The offset of a block comment that never ends.
+pub(crate) fn split_comments(source: &str) -> Result<(String, Vec<Range<usize>>), usize> {
+    let mut line_comments = Vec::new();
     let mut out = String::with_capacity(source.len());
     let blank = |out: &mut String, c: char| match c {
         '\n' => out.push('\n'),
@@ -32,6 +44,7 @@ pub(crate) fn without_comments(source: &str) -> Result<String, usize> {
                 while let Some((_, c)) = chars.next_if(|&(_, c)| c != '\n') {
                     blank(&mut out, c);
                 }
+                line_comments.push(offset..out.len());
             }
             (_, '/', Some('*')) => {
                 if block_depth == 0 {
@@ -50,7 +63,7 @@ pub(crate) fn without_comments(source: &str) -> Result<String, usize> {
             (0, ..) => out.push(c),
         }
     }
-    if block_depth > 0 { Err(block_offset) } else { Ok(out) }
+    if block_depth > 0 { Err(block_offset) } else { Ok((out, line_comments)) }
 }
 
 /// The tokens of a text without comments, in order.
@@ -98,6 +111,14 @@ mod tests {
         assert_eq!(without_comments("a /*é*/ b").unwrap(), "a        b");
         assert_eq!(without_comments("a // /* b\nc").unwrap(), "a        \nc");
         assert_eq!(without_comments("a / b * c").unwrap(), "a / b * c");
+    }
+
+    #[test]
+    fn line_comments_are_told_from_block_comments() {
+        let source = "a // é\n/* // b\n// c */ d //\n";
+        let (masked, comments) = split_comments(source).unwrap();
+        assert_eq!(comments.iter().map(|range| &source[range.clone()]).collect::<Vec<_>>(), ["// é", "//"]);
+        assert_eq!(masked.len(), source.len());
     }
 
     #[test]

@@ -46,6 +46,8 @@ impl Folder {
 pub struct SourceTree {
     name: String,
     files: BTreeMap<String, String>,
+    /// What errors call a file that is no file of the folder, by its path here.
+    shown: BTreeMap<String, String>,
     diagnostics: Vec<Diagnostic>,
     num_bytes: usize,
 }
@@ -53,7 +55,13 @@ pub struct SourceTree {
 impl SourceTree {
     /// An empty tree; `name` stands before the paths in errors (`shaders`).
     pub fn new(name: impl Into<String>) -> Self {
-        Self { name: name.into(), files: BTreeMap::new(), diagnostics: Vec::new(), num_bytes: 0 }
+        Self {
+            name: name.into(),
+            files: BTreeMap::new(),
+            shown: BTreeMap::new(),
+            diagnostics: Vec::new(),
+            num_bytes: 0,
+        }
     }
 
     /// Reads every `.wgsl` file below the folder `root`. Links and hidden files are left out.
@@ -93,6 +101,18 @@ impl SourceTree {
         Ok(())
     }
 
+    /// Adds or replaces a file as [`Self::insert`] does, which errors call `shown` as it is.
+    pub(crate) fn insert_shown(&mut self, path: &str, shown: &str, text: &str) -> Result<()> {
+        self.insert(path, text)?;
+        self.shown.insert(path.to_owned(), shown.to_owned());
+        Ok(())
+    }
+
+    /// What errors call a file: its path with the folder's name, unless it is none of the folder's.
+    pub(crate) fn shown(&self, path: &str) -> String {
+        self.shown.get(path).cloned().unwrap_or_else(|| format!("{}/{path}", self.name))
+    }
+
     /// The folder's name, as errors show it.
     pub fn name(&self) -> &str {
         &self.name
@@ -128,7 +148,7 @@ impl SourceTree {
     ) -> Diagnostic {
         let source_line = self.get(path).and_then(|text| text.lines().nth(line.saturating_sub(1) as usize));
         Diagnostic {
-            file: format!("{}/{path}", self.name),
+            file: self.shown(path),
             line,
             column,
             lint: None,

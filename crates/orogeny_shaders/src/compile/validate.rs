@@ -2,8 +2,8 @@
 
 use std::error::Error;
 
-use naga::Span;
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{Module, Span};
 
 use super::diagnostic::Diagnostic;
 use super::resolve::Flattened;
@@ -21,7 +21,7 @@ const CAPABILITIES: Capabilities = Capabilities::empty();
 pub(crate) fn parse_and_validate(
     tree: &SourceTree,
     flattened: &Flattened,
-) -> Result<naga::Module, Diagnostic> {
+) -> Result<(Module, ModuleInfo), Diagnostic> {
     let module = naga::front::wgsl::parse_str(&flattened.wgsl).map_err(|err| {
         let mut labels = err.labels();
         let (span, label) = labels.next().unwrap_or_default();
@@ -32,7 +32,7 @@ pub(crate) fn parse_and_validate(
         diagnostic
     })?;
 
-    Validator::new(ValidationFlags::all(), CAPABILITIES).validate(&module).map_err(|err| {
+    let info = Validator::new(ValidationFlags::all(), CAPABILITIES).validate(&module).map_err(|err| {
         // The spans go from the whole function to the expression: the narrowest says most.
         let narrowest =
             err.spans().filter_map(|(span, _)| span.to_range()).min_by_key(ExactSizeIterator::len);
@@ -45,7 +45,7 @@ pub(crate) fn parse_and_validate(
         }
         diagnostic_at(tree, flattened, span, &message)
     })?;
-    Ok(module)
+    Ok((module, info))
 }
 
 /// An error at a span of the flattened text.
@@ -61,7 +61,7 @@ pub(crate) fn diagnostic_at(
 
 fn note_at(tree: &SourceTree, flattened: &Flattened, span: Span, label: &str) -> String {
     let (path, line, column) = place(flattened, span);
-    format!("{}/{path}:{line}:{column}: {label}", tree.name())
+    format!("{}:{line}:{column}: {label}", tree.shown(path))
 }
 
 /// The file, line and column of a span's start. An unknown span is the start of the entry-point file.

@@ -13,7 +13,7 @@ mod transcendental;
 
 use std::collections::BTreeSet;
 
-use naga::{Module, Span};
+use naga::{Block, Module, Span, Statement};
 
 use super::diagnostic::Diagnostic;
 use super::resolve::Flattened;
@@ -48,7 +48,7 @@ pub struct Lint {
 
 impl Lint {
     /// The diagnostic of this lint at a place.
-    fn broken(&'static self, place: Diagnostic) -> Diagnostic {
+    pub(crate) fn broken(&'static self, place: Diagnostic) -> Diagnostic {
         let notes = vec![format!("why: {}", self.why), format!("fix: {}", self.fix)];
         Diagnostic { lint: Some(self.name), notes, ..place }
     }
@@ -131,4 +131,15 @@ pub(crate) fn check_orphans(
     let orphans = orphan::check(tree, included);
     diagnostics
         .extend(orphans.map(|(path, message)| orphan::LINT.broken(tree.diagnostic(path, 1, 1, message))));
+}
+
+/// The blocks that a statement is made of.
+pub(crate) fn inner_blocks(statement: &Statement) -> Vec<&Block> {
+    match statement {
+        Statement::Block(block) => vec![block],
+        Statement::If { accept, reject, .. } => vec![accept, reject],
+        Statement::Loop { body, continuing, .. } => vec![body, continuing],
+        Statement::Switch { cases, .. } => cases.iter().map(|case| &case.body).collect(),
+        _ => Vec::new(),
+    }
 }

@@ -2,7 +2,7 @@
 
 use naga::{Arena, BinaryOperator, Block, Expression, Function, Handle, Module, Span, Statement};
 
-use super::Lint;
+use super::{Lint, inner_blocks};
 
 pub(super) const LINT: Lint = Lint {
     name: "nan_test",
@@ -42,16 +42,6 @@ fn check_block(function: &Function, block: &Block, report: &mut impl FnMut(Span,
                 report(function.expressions.get_span(handle), "a value compared with itself".to_owned());
             }
         }
-    }
-}
-
-fn inner_blocks(statement: &Statement) -> Vec<&Block> {
-    match statement {
-        Statement::Block(block) => vec![block],
-        Statement::If { accept, reject, .. } => vec![accept, reject],
-        Statement::Loop { body, continuing, .. } => vec![body, continuing],
-        Statement::Switch { cases, .. } => cases.iter().map(|case| &case.body).collect(),
-        _ => Vec::new(),
     }
 }
 
