@@ -2,8 +2,14 @@
 // Twin: orogeny_reference::brush::ledge.
 #include "driver/local.wgsl"
 
+struct Ledge {
+    direction: f32, // 1 raises, -1 lowers
+}
+
+@group(1) @binding(11) var<uniform> ledge: Ledge;
+
 fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32 {
-    let beyond = brush.ledge_direction * (height - instance.reference_height_m);
+    let beyond = ledge.direction * (height - instance.reference_height_m);
     return height + amount * (1.0 - clamp(beyond * instance.inverse_radius_m, 0.0, 1.0));
 }
 

@@ -1,11 +1,18 @@
 // lerp(H, T, A) towards one target height, both ways or one way only. Twin: orogeny_reference::brush::level.
 #include "driver/local.wgsl"
 
+struct Level {
+    target_height_m: f32,
+    only: u32, // 0 both ways, 1 cut, 2 fill
+}
+
+@group(1) @binding(11) var<uniform> level: Level;
+
 fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32 {
-    var goal = brush.target_height_m;
-    if brush.level_only == 1u {
+    var goal = level.target_height_m;
+    if level.only == 1u {
         goal = min(goal, height);
-    } else if brush.level_only == 2u {
+    } else if level.only == 2u {
         goal = max(goal, height);
     }
     return lerp(height, goal, amount);

@@ -8,9 +8,10 @@
 struct Custom {
     spacing_m: f32, // of the terrain's samples
     radius_m: f32,  // of the brush, whatever the pen's pressure makes of it
+    seed: u32,      // of the stroke
 }
 
-@group(1) @binding(9) var<uniform> custom: Custom;
+@group(1) @binding(12) var<uniform> custom: Custom;
 
 fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32 {
     // Outside the brush nothing changes, whatever a user's function makes of no weight: how far tiles reach must not show.
@@ -25,7 +26,7 @@ fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -
         radius_m = 1.0 / instance.inverse_radius_m;
     }
     let place_m = custom.spacing_m * place;
-    let made = apply(BrushInput(height, amount, place_m, sample, radius_m, custom.spacing_m, brush.seed));
+    let made = apply(BrushInput(height, amount, place_m, sample, radius_m, custom.spacing_m, custom.seed));
     let is_finite = (bitcast<u32>(made) & 0x7fffffffu) < 0x7f800000u;
     return select(height, made, is_finite);
 }

@@ -4,4 +4,4 @@ struct Parameters {
     unused: f32,
 }
 
-@group(1) @binding(8) var<uniform> parameters: Parameters;
+@group(1) @binding(11) var<uniform> parameters: Parameters;

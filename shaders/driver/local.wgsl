@@ -1,37 +1,14 @@
 // Runs a local brush over tiles of pages, in place: each invocation owns every 16th sample of a tile, both ways, and takes
 // the tile's instances in stroke order. A kernel includes this file and defines
 //     fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32
-// Twin: orogeny_brush::executor_cpu.
-#include "lib/falloff.wgsl"
+// Bindings from 11 on are the kernel's own. Twin: orogeny_brush::executor_cpu.
+#include "driver/footprint.wgsl"
 #include "lib/height.wgsl"
 
 const WORKGROUP_SIDE = 16u;
 
-// orogeny_field::WeightMode
-override WEIGHT_MODE: u32 = 0u;
-const DIRECT = 0u;
-const BUILD_UP = 1u;
-const WASH = 2u;
-
-struct Brush {
-    inverse_falloff_ratio: f32,
-    falloff_exponent: f32,
-    falloff_scale: f32,
-    target_height_m: f32,
-    ledge_direction: f32, // 1 raises, -1 lowers
-    level_only: u32,      // 0 both ways, 1 cut, 2 fill
-    seed: u32,
-}
-
-// orogeny_field::Instance
-struct Instance {
-    cell: vec2<i32>,
-    fraction: vec2<f32>,
-    inverse_radius: f32,
-    amplitude: f32,
-    reference_height_m: f32,
-    inverse_radius_m: f32,
-}
+override IS_GATED: u32 = 0u;
+override IS_MASK: u32 = 0u;
 
 struct Tile {
     page_origin: vec2<i32>, // of the page's first sample, on the terrain
@@ -39,35 +16,32 @@ struct Tile {
     end: vec2<u32>,         // one past the last
     heights_layer: u32,
     scratch_layer: u32,     // of `before` and `weights`; wash only
+    gate_layer: u32,        // of `gates`; gated brushes only
     first_index: u32,       // its instances: tile_instances[first_index .. end_index]
     end_index: u32,
+    first_lattice: u32,     // of its places on the lattices of a noise; see driver/noise.wgsl
 }
 
 struct Counters {
     num_clamped: atomic<u32>,
 }
 
-@group(1) @binding(0) var<uniform> brush: Brush;
-@group(1) @binding(1) var<storage, read> instances: array<Instance>;
-@group(1) @binding(2) var<storage, read> tiles: array<Tile>;
-@group(1) @binding(3) var<storage, read> tile_instances: array<u32>;
-@group(1) @binding(4) var<storage, read_write> counters: Counters;
-@group(1) @binding(5) var heights: texture_storage_2d_array<r32float, read_write>;
-@group(1) @binding(6) var before: texture_2d_array<f32>;
-@group(1) @binding(7) var weights: texture_storage_2d_array<r32float, read_write>;
+@group(1) @binding(3) var<storage, read> instances: array<Instance>;
+@group(1) @binding(4) var<storage, read> tiles: array<Tile>;
+@group(1) @binding(5) var<storage, read> tile_instances: array<u32>;
+@group(1) @binding(6) var<storage, read_write> counters: Counters;
+@group(1) @binding(7) var heights: texture_storage_2d_array<r32float, read_write>;
+@group(1) @binding(8) var before: texture_2d_array<f32>;
+@group(1) @binding(9) var weights: texture_storage_2d_array<r32float, read_write>;
+@group(1) @binding(10) var gates: texture_2d_array<f32>;
 
-fn amount_of(instance: Instance, sample: vec2<i32>) -> f32 {
-    let offset = vec2<f32>(sample - instance.cell) - instance.fraction;
-    let r = sqrt(offset.x * offset.x + offset.y * offset.y) * instance.inverse_radius;
-    let falloff = Falloff(brush.inverse_falloff_ratio, brush.falloff_exponent, brush.falloff_scale);
-    let amount = falloff_weight(r, falloff) * instance.amplitude;
-    if WEIGHT_MODE == BUILD_UP {
-        return -exp_minus_one(amount);
-    }
-    return amount;
-}
+// The tile that the workgroup works on.
+var<private> current_tile: Tile;
 
 fn stored_height(height: f32) -> f32 {
+    if IS_MASK == 1u {
+        return sanitized_height(clamp(height, 0.0, 1.0));
+    }
     // Stops well before it would wrap.
     if !is_storable_height(height) && atomicLoad(&counters.num_clamped) < 0xf0000000u {
         atomicAdd(&counters.num_clamped, 1u);
@@ -75,12 +49,21 @@ fn stored_height(height: f32) -> f32 {
     return sanitized_height(height);
 }
 
+// What the gate lets through at a sample, 0..1.
+fn let_through(tile: Tile, texel: vec2<u32>) -> f32 {
+    if IS_GATED == 1u {
+        return textureLoad(gates, texel, tile.gate_layer, 0).x;
+    }
+    return 1.0;
+}
+
 // Instances one after another on the height as it is.
 fn update_in_place(tile: Tile, texel: vec2<u32>, sample: vec2<i32>) {
+    let gate = let_through(tile, texel);
     var height = textureLoad(heights, texel, tile.heights_layer).x;
     for (var k = tile.first_index; k < tile.end_index; k++) {
         let instance = instances[tile_instances[k]];
-        height = stored_height(new_height(height, amount_of(instance, sample), sample, instance));
+        height = stored_height(new_height(height, amount_of(instance, sample) * gate, sample, instance));
     }
     textureStore(heights, texel, tile.heights_layer, vec4<f32>(height));
 }
@@ -89,11 +72,13 @@ fn update_in_place(tile: Tile, texel: vec2<u32>, sample: vec2<i32>) {
 fn update_wash(tile: Tile, texel: vec2<u32>, sample: vec2<i32>) {
     var weight = textureLoad(weights, texel, tile.scratch_layer).x;
     for (var k = tile.first_index; k < tile.end_index; k++) {
-        weight = max(weight, amount_of(instances[tile_instances[k]], sample));
+        let instance = instances[tile_instances[k]];
+        weight = gathered(weight, amount_of(instance, sample), instance.flow);
     }
     textureStore(weights, texel, tile.scratch_layer, vec4<f32>(weight));
     let original = textureLoad(before, texel, tile.scratch_layer, 0).x;
-    let height = stored_height(new_height(original, weight, sample, instances[tile_instances[tile.first_index]]));
+    let amount = weight * let_through(tile, texel);
+    let height = stored_height(new_height(original, amount, sample, instances[tile_instances[tile.first_index]]));
     textureStore(heights, texel, tile.heights_layer, vec4<f32>(height));
 }
 
@@ -103,6 +88,7 @@ fn update_tile(workgroup: vec3<u32>, num_workgroups: vec3<u32>, local: vec3<u32>
         return;
     }
     let tile = tiles[index];
+    current_tile = tile;
     for (var z = tile.first.y + local.y; z < tile.end.y; z += WORKGROUP_SIDE) {
         for (var x = tile.first.x + local.x; x < tile.end.x; x += WORKGROUP_SIDE) {
             let texel = vec2<u32>(x, z);

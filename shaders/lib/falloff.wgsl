@@ -11,6 +11,7 @@ const TIP = 4u;
 const GAUSS = 5u;
 const POWER = 6u;
 const SIGMOID = 7u;
+const CURVE = 8u; // read from a table, by whoever has it
 
 // orogeny_field::Falloff, without its formula
 struct Falloff {
@@ -19,12 +20,17 @@ struct Falloff {
     scale: f32,                 // what makes the weight 1 at the centre
 }
 
+// clamp((R - distance) / F, 0, 1)
+fn falloff_slope(r: f32, falloff: Falloff) -> f32 {
+    return clamp((1.0 - r) * falloff.inverse_falloff_ratio, 0.0, 1.0);
+}
+
 // Exactly 0 for r >= 1.
 fn falloff_weight(r: f32, falloff: Falloff) -> f32 {
     if r >= 1.0 {
         return 0.0;
     }
-    let t = clamp((1.0 - r) * falloff.inverse_falloff_ratio, 0.0, 1.0);
+    let t = falloff_slope(r, falloff);
     switch FALLOFF_FORMULA {
         case LINEAR: {
             return t;

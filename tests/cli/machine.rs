@@ -4,7 +4,22 @@ use serde_json::Value;
 
 use crate::program::{Folder, Ran};
 
-const BRUSHES: [&str; 6] = ["raise", "lower", "ledge", "level", "set_height", "roughen"];
+const BRUSHES: [&str; 14] = [
+    "raise",
+    "lower",
+    "ledge",
+    "level",
+    "set_height",
+    "ramp",
+    "roughen",
+    "noise",
+    "terrace",
+    "range_map",
+    "stamp",
+    "paint_mask",
+    "erase_mask",
+    "custom",
+];
 
 #[test]
 fn brushes_lists_every_brush_with_ranges_and_the_ripple() {
@@ -24,6 +39,13 @@ fn brushes_lists_every_brush_with_ranges_and_the_ripple() {
     let one = folder.succeed("brushes level");
     assert_eq!(one["brushes"].as_array().unwrap().len(), 1);
     assert_eq!(one["brushes"][0]["properties"]["only"]["enum"][0], "both");
+    let nested = folder.succeed("brushes noise");
+    let noise = &nested["brushes"][0]["properties"];
+    assert_eq!(noise["distortion"]["properties"]["octaves"]["maximum"], 16);
+    assert_eq!(
+        noise["gate"]["properties"]["noise"]["properties"]["pattern"]["properties"]["octaves"]["default"],
+        8
+    );
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod backends;
 mod bad_input;
 mod bad_recipes;
 mod beside;
+mod brush_data;
 mod cancel;
 mod compaction;
 mod damage;

@@ -29,7 +29,7 @@ mod watched;
 
 pub use adapter::gpu;
 pub use compare::{Agreement, Mismatch, Tolerance};
-pub use operation::{Feed, Operation, Painted, Split, apply, paint, plan};
+pub use operation::{Feed, Operation, Painted, Split, apply, paint, plan, resources};
 pub use plane::{PADDING_M, Plane};
 pub use random::Random;
 pub use reach::Reach;

@@ -1,10 +1,12 @@
 //! Operations on a terrain, fed to an executor in a given way.
 
-use orogeny_brush::{Batch, Executor, Notices, Result, StrokePlanner, plan_fill};
-use orogeny_field::{Brush, FieldId, PageLayout, SampleRect, Stroke, TerrainGrid};
+use std::sync::{Arc, OnceLock};
+
+use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, Result, StrokePlanner, plan_fill};
+use orogeny_field::{Bitmap, Brush, FieldId, PageLayout, SampleRect, Stroke, TerrainGrid};
 use orogeny_pages::PageStore;
 
-use crate::Plane;
+use crate::{Plane, Random};
 
 /// The field that [`paint`] paints on.
 const FIELD: FieldId = FieldId(1);
@@ -118,6 +120,27 @@ pub fn plan(
     Ok(batches)
 }
 
+/// What a brush is painted on: mask brushes take the field for a mask.
+fn canvas(brush: &Brush, grid: TerrainGrid, layout: PageLayout, field: FieldId) -> Canvas {
+    Canvas {
+        is_mask: brush.brush_type.is_for_masks(),
+        selection: field,
+        ..Canvas::heights(grid, layout, field)
+    }
+}
+
+/// What a brush names: one bitmap stands in for all.
+#[must_use]
+pub fn resources(brush: &Brush) -> Resources {
+    static BITMAP: OnceLock<Arc<Bitmap>> = OnceLock::new();
+    let bitmap = BITMAP.get_or_init(|| {
+        let mut random = Random::new(11);
+        let values = (0..37 * 23).map(|_| random.within(0.0, 1.0) as f32).collect();
+        Arc::new(Bitmap::new(37, 23, values).unwrap())
+    });
+    Resources { alpha: brush.alpha.as_ref().map(|_| Arc::clone(bitmap)), custom: None }
+}
+
 fn for_each_batch(
     operation: &Operation,
     grid: &TerrainGrid,
@@ -129,7 +152,8 @@ fn for_each_batch(
     let layout = store.layout();
     match operation {
         Operation::Fill { brush, seed, region } => {
-            let fill = plan_fill(brush, *seed, grid, layout, field, *region)?;
+            let fill =
+                plan_fill(brush, *seed, canvas(brush, *grid, layout, field), resources(brush), *region)?;
             for batch in fill.split(feed.max_batch) {
                 act(batch, store)?;
             }
@@ -141,7 +165,9 @@ fn for_each_batch(
                 Split::TwoHalves => num_points.div_ceil(2),
                 Split::SampleBySample => 1,
             };
-            let mut planner = StrokePlanner::new(stroke.brush.clone(), stroke.seed, *grid, layout, field)?;
+            let brush = &stroke.brush;
+            let canvas = canvas(brush, *grid, layout, field);
+            let mut planner = StrokePlanner::new(brush, stroke.seed, canvas, resources(brush))?;
             let mut num_pushed = 0;
             for points in stroke.points.chunks(part.max(1)) {
                 for point in points {

@@ -27,8 +27,8 @@ impl Random {
     }
 
     /// One of some values.
-    pub fn one_of<T: Copy>(&mut self, values: &[T]) -> T {
-        values[(self.bits() % values.len() as u64) as usize]
+    pub fn one_of<T: Clone>(&mut self, values: &[T]) -> T {
+        values[(self.bits() % values.len() as u64) as usize].clone()
     }
 }
 

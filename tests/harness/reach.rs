@@ -1,7 +1,8 @@
 //! How many instances act on each sample of a plane, and how far apart two back ends may be there.
 
-use orogeny_brush::{Batch, Stage};
-use orogeny_field::{Falloff, FalloffFormula, Instance, SampleRect, WeightMode};
+use orogeny_brush::{Batch, Rule};
+use orogeny_field::noise::Turbulence;
+use orogeny_field::{FalloffFormula, Footprint, Instance, SampleRect, WeightMode};
 use orogeny_reference::amounts;
 
 use crate::{Plane, Tolerance};
@@ -14,8 +15,50 @@ pub struct Reach {
     sum_of_amounts: Vec<f64>,
     largest_amplitude: f32,
     has_transcendentals: bool,
-    /// The target of a blending brush, whose amounts are shares of the way to it.
-    target_m: Option<f32>,
+    goal: Goal,
+}
+
+/// What an amount of 1 is worth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Goal {
+    /// A metre.
+    Metres,
+    /// The way to a height.
+    Height(f32),
+    /// So many metres; and what a height's rounding is magnified by on its way through the kernel, from instance to instance.
+    Scale { metres: f64, magnified: f64 },
+    /// The share of an amount, in metres, that two back ends may differ by.
+    Noise(f64),
+}
+
+/// What an amount of 1 is worth, by what a kernel does.
+fn goal(rule: &Rule) -> Goal {
+    let scale = |metres: f32, magnified: f64| Goal::Scale { metres: f64::from(metres), magnified };
+    match rule {
+        Rule::Raise | Rule::Ledge(_) | Rule::Roughen { .. } | Rule::Custom(_) => Goal::Metres,
+        Rule::Level { target_height_m, .. } => Goal::Height(*target_height_m),
+        // Over its edges a height counts as often as they are steep.
+        Rule::Terrace(steps) => scale(steps.step_m, f64::from(steps.steepness)),
+        // A bias by a small exponent is steep at the lower end of its range.
+        Rule::RangeMap(range) => scale(range.high_m - range.low_m, 64.0),
+        Rule::Stamp { scale_m, .. } => scale(scale_m.abs(), 1.0),
+        // Of the heights that its instances have: see `add_instance`.
+        Rule::Ramp { .. } => scale(1.0, 1.0),
+        Rule::Mask { .. } => scale(1.0, 1.0),
+        Rule::Noise(kernel) => {
+            let amplitude: f64 =
+                kernel.scales.iter().take(kernel.slots.main as usize).map(|scale| scale.weight).sum();
+            let curve = if kernel.curve.is_some() || kernel.transfer.is_some() { 8.0 } else { 1.0 };
+            // Erosive and Jordan noise look an octave up where the slopes of those before it lead: every octave magnifies their
+            // rounding by its frequency. So does a distortion.
+            let bent = match kernel.turbulence {
+                Turbulence::Erosive | Turbulence::Jordan => 50.0,
+                _ if kernel.slots.distortion > 0 => 4.0,
+                _ => 1.0,
+            };
+            Goal::Noise(1.0e-4 * amplitude * kernel.scale.abs() * curve * bent)
+        }
+    }
 }
 
 impl Reach {
@@ -29,7 +72,7 @@ impl Reach {
             sum_of_amounts: vec![0.0; num_samples],
             largest_amplitude: 0.0,
             has_transcendentals: false,
-            target_m: None,
+            goal: Goal::Metres,
         };
         for batch in batches {
             reach.add(batch, plane);
@@ -38,34 +81,36 @@ impl Reach {
     }
 
     fn add(&mut self, batch: &Batch, plane: &Plane) {
-        let (falloff, mode) = (&batch.pass.falloff, batch.pass.weight_mode);
-        self.target_m = (batch.pass.stage == Stage::Level).then_some(batch.pass.target_height_m);
-        self.has_transcendentals |= mode == WeightMode::BuildUp
+        let footprint = &batch.pass.footprint;
+        if self.goal == Goal::Metres {
+            self.goal = goal(&batch.pass.rule);
+        }
+        self.has_transcendentals |= footprint.weight_mode == WeightMode::BuildUp
+            || matches!(batch.pass.rule, Rule::RangeMap(_) | Rule::Ramp { .. })
+            // Bilinear and linear look-ups magnify the rounding of where they look, as a power does that of its base.
+            || batch.pass.bitmap().is_some()
             || matches!(
-                falloff.formula,
-                FalloffFormula::Gauss | FalloffFormula::Power | FalloffFormula::Sigmoid
+                footprint.falloff.formula,
+                FalloffFormula::Gauss | FalloffFormula::Power | FalloffFormula::Sigmoid | FalloffFormula::Curve
             );
         // By pages: a batch may be a piece of a larger one, with all of its instances and some of its pages.
         for work in &batch.pages {
             for index in &work.instances {
                 let (instance, bound) = (&batch.instances[*index as usize], batch.bounds[*index as usize]);
-                self.add_instance(instance, &bound.intersection(&work.rect), falloff, mode, plane);
+                self.add_instance(instance, &bound.intersection(&work.rect), footprint, plane);
             }
         }
     }
 
-    fn add_instance(
-        &mut self,
-        instance: &Instance,
-        rect: &SampleRect,
-        falloff: &Falloff,
-        mode: WeightMode,
-        plane: &Plane,
-    ) {
+    fn add_instance(&mut self, instance: &Instance, rect: &SampleRect, footprint: &Footprint, plane: &Plane) {
         self.largest_amplitude = self.largest_amplitude.max(instance.amplitude.abs());
+        let own_m = f64::from(instance.reference_height_m.abs().max(instance.end_height_m.abs()));
+        if let Goal::Scale { metres, .. } = &mut self.goal {
+            *metres = metres.max(own_m);
+        }
         let mut row = vec![0.0; rect.width() as usize];
         for z in rect.z0..rect.z1 {
-            amounts::row(&mut row, rect.x0, z, instance, falloff, mode);
+            amounts::row(&mut row, rect.x0, z, instance, footprint);
             let first = plane.index(rect.x0.cast_unsigned(), z.cast_unsigned());
             for (x, amount) in (rect.x0..).zip(&row) {
                 let along = |place: i32, cell: i32, fraction: f32| {
@@ -73,7 +118,11 @@ impl Reach {
                 };
                 let [cell_x, cell_z] = instance.cell;
                 let [fraction_x, fraction_z] = instance.fraction;
-                let distance = along(x, cell_x, fraction_x).hypot(along(z, cell_z, fraction_z));
+                let way = [along(x, cell_x, fraction_x), along(z, cell_z, fraction_z)];
+                let [end_x, end_z] = instance.segment.map(f64::from);
+                let share = (way[0] * end_x + way[1] * end_z) * f64::from(instance.inverse_segment_squared);
+                let share = share.clamp(0.0, 1.0);
+                let distance = (way[0] - share * end_x).hypot(way[1] - share * end_z);
                 // A millionth more than the radius: where rounding decides, a back end may see it either way.
                 if distance * f64::from(instance.inverse_radius) < 1.000_001 {
                     let index = first + x.abs_diff(rect.x0) as usize;
@@ -81,6 +130,15 @@ impl Reach {
                     self.sum_of_amounts[index] += f64::from(amount.abs());
                 }
             }
+        }
+    }
+
+    /// What two back ends may differ by for an amount of 1 m of a noise, as a share of it.
+    #[must_use]
+    pub fn share(batch: &Batch) -> f64 {
+        match goal(&batch.pass.rule) {
+            Goal::Noise(share) => share,
+            Goal::Metres | Goal::Height(_) | Goal::Scale { .. } => 0.0,
         }
     }
 
@@ -115,14 +173,18 @@ impl Reach {
             return Tolerance { absolute_m, ..Tolerance::EXACT };
         }
         let way_m = |target_m: f32| (target_m - before_m).abs().max((target_m - after_m).abs());
-        let (amplitude_m, metres) = match self.target_m {
-            None => (self.largest_amplitude, 1.0),
-            Some(target_m) => (way_m(target_m), f64::from(way_m(target_m))),
+        let (amplitude_m, metres, magnified) = match self.goal {
+            Goal::Metres | Goal::Noise(_) => (self.largest_amplitude, 1.0, 1.0),
+            Goal::Height(target_m) => (way_m(target_m), f64::from(way_m(target_m)), 1.0),
+            Goal::Scale { metres, magnified } => (metres as f32, metres, magnified),
         };
         let sum_of_amounts_m = self.sum_of_amounts[self.index(x, z)] * metres;
-        let absolute_m = if self.has_transcendentals { 4.0e-6 * sum_of_amounts_m } else { 0.0 };
+        let mut absolute_m = if self.has_transcendentals { 4.0e-6 * sum_of_amounts_m } else { 0.0 };
+        if let Goal::Noise(share) = self.goal {
+            absolute_m += share * sum_of_amounts_m;
+        }
         Tolerance {
-            ulps: 4.0 + 2.0 * f64::from(num_instances).sqrt(),
+            ulps: magnified * (4.0 + 2.0 * f64::from(num_instances).sqrt()),
             of_m: before_m.abs().max(after_m.abs()).max(amplitude_m).max(1.0),
             absolute_m,
         }

@@ -1,6 +1,6 @@
 //! The reference against what NumPy makes of the specification (`fixtures/brush/make.py`), in `f64`.
 
-use orogeny_brush::{CpuExecutor, CurveSegment, Spacing, StrokeSampler};
+use orogeny_brush::{CpuExecutor, CurveSegment, Pen, Spacing, StrokeSampler};
 use orogeny_field::{
     Brush, Falloff, FieldId, PageLayout, PointerSample, Profile, ProfileShape, Stroke, TerrainGrid,
 };
@@ -46,7 +46,7 @@ fn weights_match() {
     let mut worst: f64 = 0.0;
     for case in array(&fixture["cases"]) {
         let profile = profile(case);
-        let falloff = Falloff::from(profile);
+        let falloff = Falloff::from(profile.clone());
         let weights = numbers(&case["weights"]);
         assert_eq!(weights.len(), places.len());
         for (r, expected) in places.iter().zip(weights) {
@@ -117,7 +117,7 @@ fn arc_lengths_and_the_places_of_instances_match() {
         let spacing = case["spacing"].as_f64().unwrap();
         let mut sampler = StrokeSampler::new(spacing, spacing);
         for point in points {
-            sampler.push(point, 1.0).unwrap();
+            sampler.push(point, Pen::FULL, None).unwrap();
         }
         sampler.finish();
         let expected = array(&case["places"]);

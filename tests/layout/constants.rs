@@ -1,7 +1,8 @@
 //! Numbered constants: what Rust passes to a pipeline by number means the same in WGSL.
 
 use orogeny_brush::Stage;
-use orogeny_field::{FalloffFormula, WeightMode};
+use orogeny_field::noise::{Basis, Turbulence};
+use orogeny_field::{FalloffFormula, RangeFormula, StampMode, WeightMode};
 use orogeny_shaders::shader;
 
 type Numbered = Vec<(String, u32)>;
@@ -29,27 +30,43 @@ fn shouted(variant: &str) -> String {
     shouted
 }
 
-/// All variants; a new one does not compile before it is added.
-fn formulas() -> Numbered {
-    use FalloffFormula::{Gauss, HardEdge, Linear, Power, Sigmoid, Smooth, Sphere, Tip};
-    let all = [HardEdge, Linear, Smooth, Sphere, Tip, Gauss, Power, Sigmoid];
-    for formula in all {
-        match formula {
-            HardEdge | Linear | Smooth | Sphere | Tip | Gauss | Power | Sigmoid => {}
+/// All variants of an enum with their numbers; a new one does not compile before it is added.
+macro_rules! numbered {
+    ($name:ident, $prefix:literal, $type:ident { $($variant:ident),* $(,)? }) => {
+        fn $name() -> Numbered {
+            let all = [$($type::$variant),*];
+            for variant in all {
+                match variant {
+                    $($type::$variant => {})*
+                }
+            }
+            all.map(|variant| (format!("{}{}", $prefix, shouted(&format!("{variant:?}"))), variant as u32)).to_vec()
         }
-    }
-    all.map(|formula| (shouted(&format!("{formula:?}")), formula as u32)).to_vec()
+    };
 }
 
-fn modes() -> Numbered {
-    use WeightMode::{BuildUp, Direct, Wash};
-    let all = [Direct, BuildUp, Wash];
-    for mode in all {
-        match mode {
-            Direct | BuildUp | Wash => {}
-        }
-    }
-    all.map(|mode| (shouted(&format!("{mode:?}")), mode as u32)).to_vec()
+numbered!(
+    formulas,
+    "",
+    FalloffFormula { HardEdge, Linear, Smooth, Sphere, Tip, Gauss, Power, Sigmoid, Curve }
+);
+numbered!(modes, "", WeightMode { Direct, BuildUp, Wash });
+numbered!(bases, "", Basis { Gradient, Value, Worley, Simplex, Simplex3d, Sparse });
+numbered!(
+    turbulences,
+    "",
+    Turbulence { Fbm, Billowy, Ridged, Quilez, Erosive, Jordan, Heterogeneous, Multiplicative, Hybrid }
+);
+numbered!(ranges, "RANGE_", RangeFormula { Bias, Gain, Curve });
+numbered!(stamps, "STAMP_", StampMode { Replace, Add, Max, Min });
+
+#[test]
+fn the_constants_of_single_kernels_are_the_numbers_of_their_enums() {
+    let of = |stem, name| constants_of(&shader(stem).unwrap().wgsl, name);
+    assert_eq!(of("brush/noise", "NOISE_BASIS"), bases());
+    assert_eq!(of("brush/noise", "HAS_TRANSFER"), turbulences());
+    assert_eq!(of("brush/range_map", "RANGE_FORMULA"), ranges());
+    assert_eq!(of("brush/stamp", "STAMP_MODE"), stamps());
 }
 
 #[test]

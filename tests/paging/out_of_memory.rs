@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::process::Command;
 
-use orogeny_brush::{Executor, GpuBudget, GpuExecutor, plan_fill};
+use orogeny_brush::{Canvas, Executor, GpuBudget, GpuExecutor, Resources, plan_fill};
 use orogeny_field::{Brush, BrushType, FieldId, Page, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_pages::{BoxError, PageStore};
 use orogeny_tests::gpu;
@@ -53,7 +53,8 @@ impl PageStore for Looked {
 fn fill(executor: &mut GpuExecutor, layout: PageLayout, strength: f64, region: SampleRect) -> usize {
     let grid = TerrainGrid::new(1 << 16, 1 << 16, 1.0).unwrap();
     let brush = Brush::new(BrushType::Raise, 1.0, strength);
-    let plan = plan_fill(&brush, 0, &grid, layout, FIELD, region).unwrap();
+    let plan =
+        plan_fill(&brush, 0, Canvas::heights(grid, layout, FIELD), Resources::default(), region).unwrap();
     let expected_m = 100.0 + strength as f32;
     let mut store = Looked { layout, expected_m, saved: BTreeSet::new() };
     for batch in plan.split(64) {

@@ -1,7 +1,11 @@
 //! On one back end no split over batches, pages, budgets, threads or the arrival of samples changes a bit.
 
 use orogeny_brush::Executor;
-use orogeny_field::{Brush, BrushType, PageLayout, SampleRect};
+use orogeny_field::noise::{Noise, NoiseDirection, Normalization, Seeding, Turbulence};
+use orogeny_field::{
+    Alpha, AlphaRotation, AspectGate, Band, Brush, BrushType, DataSource, Gate, Jitter, NoiseGate,
+    PageLayout, PointerSample, SampleRect, Symmetry, SymmetryKind, Terrace,
+};
 use orogeny_gpu::Gpu;
 use orogeny_tests::{Feed, Operation, Plane, Split, compare, gpu, paint, terrain};
 
@@ -24,12 +28,74 @@ fn operations() -> Vec<Operation> {
     ]
 }
 
+/// What a stroke may do beside: chance, copies, pictures, gates, rests, noises that go with instances.
+fn further_operations() -> Vec<Operation> {
+    let brush = |brush_type, strength| Brush::new(brush_type, 24.0, strength);
+    let alpha = |rotation| {
+        let source = DataSource::File("a picture".to_owned());
+        Some(Alpha { source, angle_deg: 10.0, rotation, is_mirrored: false })
+    };
+    let band = |min, max, feather| Some(Band { min, max, feather });
+    let noise = |seeding, direction| Noise {
+        feature_size_m: 40.0,
+        octaves: 3,
+        turbulence: Turbulence::Ridged,
+        seeding,
+        direction,
+        normalization: Normalization::Off,
+        ..Noise::default()
+    };
+    let follows = Some(NoiseDirection { angle_deg: 0.0, follows_stroke: true, stretch: 3.0 });
+    let gate = Gate {
+        slope_deg: band(10.0, 70.0, 30.0),
+        height_m: band(-1.0e6, 1.0e6, 0.0),
+        aspect: Some(AspectGate { angle_deg: 30.0, width_deg: 120.0, feather_deg: 40.0 }),
+        noise: Some(NoiseGate {
+            noise: noise(Seeding::World, None),
+            band: Band { min: 0.0, max: 9.0, feather: 0.5 },
+        }),
+        ..Gate::default()
+    };
+    let gated = |brush: Brush| Brush { gate: Some(Box::new(gate.clone())), ..brush };
+    let radial = Some(Symmetry { kind: SymmetryKind::Radial { count: 3 }, centre_m: [100.0, 75.0] });
+    let resting: Vec<_> = LOOP.iter().chain(&LOOP[4..5]).copied().collect();
+    let mut airbrush = stroke(Brush { is_airbrush: true, ..brush(BrushType::Raise, 9.0) }, &resting);
+    if let Operation::Stroke(stroke) = &mut airbrush {
+        for (index, point) in stroke.points.iter_mut().enumerate() {
+            point.time_s = Some(index as f64 * 0.21);
+        }
+        let last = *stroke.points.last().unwrap();
+        stroke.points.push(PointerSample { time_s: last.time_s.map(|time_s| time_s + 0.3), ..last });
+    }
+    let chance = Brush {
+        jitter: Jitter { radius: 0.5, position: 0.8, strength: 0.5 },
+        alpha: alpha(AlphaRotation::Random),
+        symmetry: radial,
+        ..brush(BrushType::Raise, 15.0)
+    };
+    let level = Brush { flow: 0.3, height_m: Some(120.0), ..gated(brush(BrushType::Level, 0.8)) };
+    let stamp = Brush { alpha: alpha(AlphaRotation::Follow), ..brush(BrushType::Stamp, 0.9) };
+    let tilted = Terrace { step_m: 9.0, sharpness: 0.4, tilt_deg: 5.0, tilt_direction_deg: 70.0 };
+    vec![
+        airbrush,
+        stroke(chance, &LOOP[..4]),
+        stroke(gated(brush(BrushType::Raise, 8.0)), &LOOP),
+        stroke(level, &LOOP),
+        stroke(stamp, &LOOP[..4]),
+        stroke(Brush { terrace: tilted, ..brush(BrushType::Terrace, 0.7) }, &LOOP),
+        stroke(brush(BrushType::Ramp, 0.6), &LOOP[1..4]),
+        stroke(Brush { noise: noise(Seeding::Random, None), ..brush(BrushType::Noise, 20.0) }, &LOOP[..3]),
+        stroke(Brush { noise: noise(Seeding::World, follows), ..brush(BrushType::Noise, 20.0) }, &LOOP),
+        stroke(Brush { noise: noise(Seeding::World, None), ..gated(brush(BrushType::Noise, 20.0)) }, &LOOP),
+    ]
+}
+
 fn ground() -> Plane {
     terrain::random(200, 150, 5)
 }
 
-fn painted(executor: &mut dyn Executor, layout: PageLayout, feed: Feed) -> Plane {
-    paint(&ground(), SPACING_M, &operations(), executor, layout, feed).unwrap().plane
+fn painted(operations: &[Operation], executor: &mut dyn Executor, layout: PageLayout, feed: Feed) -> Plane {
+    paint(&ground(), SPACING_M, operations, executor, layout, feed).unwrap().plane
 }
 
 fn layout(size: u32) -> PageLayout {
@@ -53,8 +119,13 @@ fn assert_equal(expected: &Plane, found: &Plane, what: &str) {
 }
 
 /// `make` gives an executor for a page size and a budget in pages.
-fn assert_no_split_matters(make: impl Fn(PageLayout, u64) -> Box<dyn Executor>, feeds: &[Feed]) {
+fn assert_no_split_matters(
+    operations: &[Operation],
+    make: impl Fn(PageLayout, u64) -> Box<dyn Executor>,
+    feeds: &[Feed],
+) {
     let mut num_runs = 0;
+    let painted = |executor: &mut dyn Executor, layout, feed| painted(operations, executor, layout, feed);
     let expected = painted(&mut *make(layout(256), 1000), layout(256), Feed::WHOLE);
     assert!(compare::bit_equal(&ground(), &expected).is_err(), "nothing was painted");
     for (size, budget) in [(64, 4), (64, 1000), (256, 4), (256, 1000), (1024, 1000)] {
@@ -73,27 +144,35 @@ fn assert_no_split_matters(make: impl Fn(PageLayout, u64) -> Box<dyn Executor>, 
 
 #[test]
 fn on_the_cpu_with_one_thread() {
-    assert_no_split_matters(|layout, pages| Box::new(cpu_executor(layout, pages, 1)), &feeds());
+    let make = |layout, pages| Box::new(cpu_executor(layout, pages, 1)) as Box<dyn Executor>;
+    assert_no_split_matters(&operations(), make, &feeds());
+    assert_no_split_matters(&further_operations(), make, &feeds());
 }
 
 #[test]
 fn on_the_cpu_with_two_threads_and_the_same_as_with_one() {
-    assert_no_split_matters(|layout, pages| Box::new(cpu_executor(layout, pages, 2)), &feeds()[..3]);
-    let [one, two] =
-        [1, 2].map(|threads| painted(&mut cpu_executor(layout(64), 1000, threads), layout(64), Feed::WHOLE));
-    assert_equal(&one, &two, "one thread and two");
+    let make = |layout, pages| Box::new(cpu_executor(layout, pages, 2)) as Box<dyn Executor>;
+    assert_no_split_matters(&operations(), make, &feeds()[..3]);
+    for operations in [operations(), further_operations()] {
+        let [one, two] = [1, 2].map(|threads| {
+            painted(&operations, &mut cpu_executor(layout(64), 1000, threads), layout(64), Feed::WHOLE)
+        });
+        assert_equal(&one, &two, "one thread and two");
+    }
 }
 
 #[test]
 fn on_the_gpu() {
     let gpu: Gpu = gpu();
-    assert_no_split_matters(|layout, pages| Box::new(gpu_executor(&gpu, layout, pages)), &feeds());
+    let make = |layout, pages| Box::new(gpu_executor(&gpu, layout, pages)) as Box<dyn Executor>;
+    assert_no_split_matters(&operations(), make, &feeds());
+    assert_no_split_matters(&further_operations(), make, &feeds()[..2]);
     gpu.check().unwrap();
 }
 
 #[test]
 fn two_devices_give_the_same_bits() {
-    let [one, two] =
-        [gpu(), gpu()].map(|gpu| painted(&mut gpu_executor(&gpu, layout(64), 8), layout(64), Feed::WHOLE));
+    let [one, two] = [gpu(), gpu()]
+        .map(|gpu| painted(&operations(), &mut gpu_executor(&gpu, layout(64), 8), layout(64), Feed::WHOLE));
     assert_equal(&one, &two, "two devices");
 }

@@ -112,15 +112,27 @@ impl CurveSegment {
         ((chord as f64 + within) / num_chords).clamp(0.0, 1.0)
     }
 
+    /// Which way the curve goes at parameter `u`, of length 1; none where it stands still.
+    #[must_use]
+    pub fn direction(&self, u: f64) -> Option<[f64; 2]> {
+        let [x, z] = self.derivative(u);
+        let length = x.hypot(z);
+        (length > 0.0).then(|| [x / length, z / length])
+    }
+
     /// Length of the derivative at parameter `u`.
     fn speed(&self, u: f64) -> f64 {
+        let [x, z] = self.derivative(u);
+        x.hypot(z)
+    }
+
+    fn derivative(&self, u: f64) -> [f64; 2] {
         let u2 = u * u;
-        let [x, z]: [f64; 2] = std::array::from_fn(|axis| {
+        std::array::from_fn(|axis| {
             (at(self.end, axis) - at(self.start, axis)) * (6.0 * u - 6.0 * u2)
                 + at(self.start_tangent, axis) * (3.0 * u2 - 4.0 * u + 1.0)
                 + at(self.end_tangent, axis) * (3.0 * u2 - 2.0 * u)
-        });
-        x.hypot(z)
+        })
     }
 }
 

@@ -36,6 +36,11 @@ pub enum Error {
     /// The GPU failed.
     #[error(transparent)]
     Gpu(#[from] orogeny_gpu::Error),
+    /// A user's kernel, which has no twin on the CPU. Choose a GPU or the software adapter.
+    #[error(
+        "a custom brush is a GPU kernel and cannot run on the CPU back end: use `--adapter software`, or a GPU"
+    )]
+    NeedsGpu,
     /// A wash could not put weights aside in the folder for temporary files. Free space there, or raise the page budget.
     #[error(
         "the temporary file of a stroke could not be used: {source}; free space, or raise the page budget"

@@ -6,14 +6,18 @@
 use std::collections::BTreeSet;
 
 use lru::LruCache;
+use orogeny_field::noise::{LATTICE_BLOCK, NoiseFrame, NoiseKernel};
 use orogeny_field::{Instance, Page, PageKey, PageLayout, SampleRect, WeightMode};
 use orogeny_pages::PageStore;
 use orogeny_reference::amounts;
+use orogeny_reference::noise::LANES;
+use orogeny_reference::noise::row::{self, LatticeBlock};
 use rayon::prelude::*;
 
 use crate::execute::{Executor, Notices, PageMemory};
-use crate::kernels::{RowStart, apply_row};
-use crate::plan::{Batch, PageWork};
+use crate::gate::GateInput;
+use crate::kernels::{RowStart, Rule, apply_row};
+use crate::plan::{Batch, PageWork, Pass};
 use crate::spill::Spill;
 use crate::{Error, Result};
 
@@ -44,6 +48,9 @@ pub struct CpuExecutor {
 struct WorkingPage {
     heights: Page,
     wash: Option<Wash>,
+    gate: Gating,
+    /// The noise at each of its samples, where all instances have the same.
+    pattern: Option<Pattern>,
 }
 
 /// What a wash keeps beside a page.
@@ -51,6 +58,23 @@ struct WorkingPage {
 struct Wash {
     before: Page,
     weights: Page,
+}
+
+/// What is known of where a brush may act on a page.
+#[derive(Debug)]
+enum Gating {
+    /// Everywhere.
+    Open,
+    /// What its weights are to be made of.
+    Loaded(GateInput),
+    Weights(Page),
+}
+
+/// A noise that does not depend on the instance, worked out once for each lattice block of a page.
+#[derive(Debug)]
+struct Pattern {
+    values: Page,
+    known: BTreeSet<(u32, u32)>,
 }
 
 impl CpuExecutor {
@@ -84,14 +108,25 @@ impl CpuExecutor {
         &mut self,
         key: &PageKey,
         here: Option<WorkingPage>,
-        mode: WeightMode,
+        pass: &Pass,
         store: &mut dyn PageStore,
     ) -> Result<WorkingPage> {
         let mut page = match here {
             Some(page) => page,
-            None => WorkingPage { heights: self.load(key, store, |store, key| store.load(key))?, wash: None },
+            None => WorkingPage {
+                heights: self.load(key, store, |store, key| store.load(key))?,
+                wash: None,
+                gate: Gating::Open,
+                pattern: None,
+            },
         };
-        if mode == WeightMode::Wash && page.wash.is_none() {
+        if let (Some(gate), Gating::Open) = (&pass.gate, &page.gate) {
+            page.gate = Gating::Loaded(gate.load(key, store)?);
+        }
+        if has_pattern(pass) && page.pattern.is_none() {
+            page.pattern = Some(Pattern { values: Page::constant(self.layout, 0.0), known: BTreeSet::new() });
+        }
+        if pass.weight_mode() == WeightMode::Wash && page.wash.is_none() {
             let before = if self.changed.contains(key) {
                 self.load(key, store, |store, key| store.load_before(key))?
             } else {
@@ -158,6 +193,8 @@ impl CpuExecutor {
         self.spilled_weights.clear();
         for (_, page) in &mut self.resident {
             page.wash = None;
+            page.gate = Gating::Open;
+            page.pattern = None;
         }
         self.num_held = self.resident.len();
     }
@@ -170,7 +207,10 @@ impl Executor for CpuExecutor {
 
     fn run(&mut self, batch: &Batch, store: &mut dyn PageStore) -> Result<()> {
         self.check_size(store.layout().size())?;
-        let held_for_one = if batch.pass.weight_mode == WeightMode::Wash { 3 } else { 1 };
+        if matches!(batch.pass.rule, Rule::Custom(_)) {
+            return Err(Error::NeedsGpu);
+        }
+        let held_for_one = num_held_for(&batch.pass);
         // One page at least, however small the budget is.
         for works in batch.pages.chunks((self.max_pages / held_for_one).max(1)) {
             // Those that are here are taken out first, so that none of them makes room for another.
@@ -178,7 +218,7 @@ impl Executor for CpuExecutor {
             self.make_room(works.len() * held_for_one, store)?;
             let mut tasks = Vec::with_capacity(works.len());
             for (work, here) in works.iter().zip(here) {
-                tasks.push((work, self.ready(&work.key, here, batch.pass.weight_mode, store)?));
+                tasks.push((work, self.ready(&work.key, here, &batch.pass, store)?));
             }
             let layout = self.layout;
             let num_clamped: u64 = self
@@ -223,26 +263,49 @@ impl Executor for CpuExecutor {
     }
 }
 
+/// Whether the noise of a pass is the same for all instances, so that a page keeps it.
+fn has_pattern(pass: &Pass) -> bool {
+    matches!(&pass.rule, Rule::Noise(kernel) if kernel.is_shared())
+}
+
+/// How many pages' memory a page takes while a pass works on it.
+fn num_held_for(pass: &Pass) -> usize {
+    let wash = if pass.weight_mode() == WeightMode::Wash { 2 } else { 0 };
+    1 + wash + usize::from(pass.gate.is_some()) + usize::from(has_pattern(pass))
+}
+
 impl WorkingPage {
     /// How many pages' memory it takes.
     const fn num_held(&self) -> usize {
-        if self.wash.is_some() { 3 } else { 1 }
+        let wash = if self.wash.is_some() { 2 } else { 0 };
+        let gate = if matches!(self.gate, Gating::Open) { 0 } else { 1 };
+        let pattern = if self.pattern.is_some() { 1 } else { 0 };
+        1 + wash + gate + pattern
     }
 
     /// Applies the batch's instances to the page; returns the number of clamped heights.
     fn apply(&mut self, batch: &Batch, work: &PageWork, layout: PageLayout) -> u64 {
         let page_rect = layout.page_rect(&work.key);
+        if let (Gating::Loaded(input), Some(gate)) = (&self.gate, &batch.pass.gate) {
+            self.gate = Gating::Weights(gate.page(&work.key, layout, input));
+        }
+        if let (Some(pattern), Rule::Noise(kernel)) = (&mut self.pattern, &batch.pass.rule)
+            && let Some(frame) = batch.frames.first()
+        {
+            pattern.work_out(kernel, frame, &work.rect, &page_rect);
+        }
         let instances = work.instances.iter().filter_map(|index| {
             let index = *index as usize;
             Some((batch.instances.get(index)?, batch.bounds.get(index)?.intersection(&page_rect)))
         });
+        let site = Site { batch, page_rect, gate: &self.gate, pattern: self.pattern.as_ref() };
         match &mut self.wash {
             None => {
                 let mut num_clamped = 0;
                 for (instance, rect) in instances {
                     let heights = &mut self.heights;
-                    for_each_row(heights, batch, instance, &rect, &page_rect, |start, heights, amounts| {
-                        num_clamped += u64::from(apply_row(&batch.pass, instance, start, heights, amounts));
+                    site.for_each_row(heights, instance, &rect, |start, heights, amounts| {
+                        num_clamped += u64::from(site.apply_row(instance, start, heights, amounts));
                     });
                 }
                 num_clamped
@@ -250,11 +313,122 @@ impl WorkingPage {
             Some(wash) => {
                 for (instance, rect) in instances {
                     let weights = &mut wash.weights;
-                    for_each_row(weights, batch, instance, &rect, &page_rect, |_, weights, amounts| {
-                        amounts::keep_largest(weights, amounts);
+                    site.for_each_row(weights, instance, &rect, |_, weights, amounts| {
+                        amounts::gather(weights, amounts, instance.flow);
                     });
                 }
-                wash.apply(&mut self.heights, batch, work, &page_rect)
+                wash.apply(&mut self.heights, &site, work)
+            }
+        }
+    }
+}
+
+impl Pattern {
+    /// Works out the blocks of a rectangle that are not known yet.
+    fn work_out(
+        &mut self,
+        kernel: &NoiseKernel,
+        frame: &NoiseFrame,
+        rect: &SampleRect,
+        page_rect: &SampleRect,
+    ) {
+        let block = LATTICE_BLOCK.cast_signed();
+        let mut row = [0.0; LANES];
+        for block_z in rect.z0.div_euclid(block)..=(rect.z1 - 1).div_euclid(block) {
+            for block_x in rect.x0.div_euclid(block)..=(rect.x1 - 1).div_euclid(block) {
+                let [x, z] =
+                    [(block_x * block).abs_diff(page_rect.x0), (block_z * block).abs_diff(page_rect.z0)];
+                if !self.known.insert((x, z)) {
+                    continue;
+                }
+                let lattice = LatticeBlock::around([block_x * block, block_z * block], kernel, frame);
+                for within in 0..LATTICE_BLOCK {
+                    row::block_row(&mut row, within, kernel, &lattice);
+                    if let Some(values) = self.values.row_mut(z + within, x, x + LATTICE_BLOCK) {
+                        values.copy_from_slice(&row);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What is the same for all rows of a page.
+struct Site<'a> {
+    batch: &'a Batch,
+    page_rect: SampleRect,
+    gate: &'a Gating,
+    pattern: Option<&'a Pattern>,
+}
+
+impl Site<'_> {
+    /// Multiplies a row's amounts by what its gate lets through.
+    fn let_through(&self, start: RowStart, amounts: &mut [f32]) {
+        if let Gating::Weights(weights) = self.gate
+            && let Some(weights) = self.row_of(weights, start, amounts.len())
+        {
+            amounts::let_through(amounts, weights);
+        }
+    }
+
+    fn row_of<'p>(&self, page: &'p Page, start: RowStart, length: usize) -> Option<&'p [f32]> {
+        let first = start.x.abs_diff(self.page_rect.x0);
+        page.row(start.z.abs_diff(self.page_rect.z0), first, first + length as u32)
+    }
+
+    /// Applies the kernel to a row of at most [`ROW_CHUNK`] samples.
+    fn apply_row(&self, instance: &Instance, start: RowStart, heights: &mut [f32], amounts: &[f32]) -> u32 {
+        let pass = &self.batch.pass;
+        let Rule::Noise(kernel) = &pass.rule else {
+            return apply_row(pass, instance, start, heights, amounts, &[]);
+        };
+        if let Some(pattern) = self.pattern {
+            let values = self.row_of(&pattern.values, start, heights.len()).unwrap_or_default();
+            return apply_row(pass, instance, start, heights, amounts, values);
+        }
+        let mut values = [0.0; ROW_CHUNK];
+        let values = values.get_mut(..heights.len()).unwrap_or_default();
+        let mut frames = self.batch.frames.iter().skip(instance.frame as usize);
+        if let Some(frame) = frames.next() {
+            row::row(values, start.x, start.z, kernel, frame);
+        }
+        if kernel.num_directions() > 1
+            && let Some(next) = frames.next()
+        {
+            let mut others = [0.0; ROW_CHUNK];
+            let others = others.get_mut(..values.len()).unwrap_or_default();
+            row::row(others, start.x, start.z, kernel, next);
+            row::blend(values, others, instance.frame_blend);
+        }
+        apply_row(pass, instance, start, heights, amounts, values)
+    }
+
+    /// Calls `act` with the samples of a page that may lie within an instance's radius, by rows of at most [`ROW_CHUNK`], and
+    /// the instance's amounts there, but for a wash those that the gate lets through.
+    fn for_each_row(
+        &self,
+        page: &mut Page,
+        instance: &Instance,
+        rect: &SampleRect,
+        mut act: impl FnMut(RowStart, &mut [f32], &[f32]),
+    ) {
+        let footprint = &self.batch.pass.footprint;
+        let mut amounts = [0.0; ROW_CHUNK];
+        for z in rect.z0..rect.z1 {
+            let (x0, x1) = chord(instance, rect, z);
+            let columns = (x0.abs_diff(self.page_rect.x0), x1.abs_diff(self.page_rect.x0));
+            let Some(row) = page.row_mut(z.abs_diff(self.page_rect.z0), columns.0, columns.1) else {
+                continue;
+            };
+            let mut x = x0;
+            for chunk in row.chunks_mut(ROW_CHUNK) {
+                let Some(amounts) = amounts.get_mut(..chunk.len()) else { continue };
+                amounts::row(amounts, x, z, instance, footprint);
+                if footprint.weight_mode != WeightMode::Wash {
+                    self.let_through(RowStart { x, z }, amounts);
+                }
+                act(RowStart { x, z }, chunk, amounts);
+                x += chunk.len() as i32;
             }
         }
     }
@@ -262,56 +436,40 @@ impl WorkingPage {
 
 impl Wash {
     /// Applies the weights so far to the heights from before the stroke, over the rectangle that the batch touched.
-    fn apply(&self, heights: &mut Page, batch: &Batch, work: &PageWork, page_rect: &SampleRect) -> u64 {
-        let Some(instance) = work.instances.first().and_then(|index| batch.instances.get(*index as usize))
+    fn apply(&self, heights: &mut Page, site: &Site<'_>, work: &PageWork) -> u64 {
+        let Some(instance) =
+            work.instances.first().and_then(|index| site.batch.instances.get(*index as usize))
         else {
             return 0;
         };
+        let page_rect = site.page_rect;
         let mut num_clamped = 0;
         let (x0, x1) = (work.rect.x0.abs_diff(page_rect.x0), work.rect.x1.abs_diff(page_rect.x0));
+        let mut amounts = [0.0; ROW_CHUNK];
         for z in work.rect.z0..work.rect.z1 {
             let row = z.abs_diff(page_rect.z0);
             let rows =
                 (heights.row_mut(row, x0, x1), self.before.row(row, x0, x1), self.weights.row(row, x0, x1));
-            if let (Some(heights), Some(before), Some(weights)) = rows {
-                heights.copy_from_slice(before);
-                let start = RowStart { x: work.rect.x0, z };
-                num_clamped += u64::from(apply_row(&batch.pass, instance, start, heights, weights));
+            let (Some(heights), Some(before), Some(weights)) = rows else { continue };
+            heights.copy_from_slice(before);
+            let mut x = work.rect.x0;
+            for (heights, weights) in heights.chunks_mut(ROW_CHUNK).zip(weights.chunks(ROW_CHUNK)) {
+                let Some(amounts) = amounts.get_mut(..weights.len()) else { continue };
+                amounts.copy_from_slice(weights);
+                let start = RowStart { x, z };
+                site.let_through(start, amounts);
+                num_clamped += u64::from(site.apply_row(instance, start, heights, amounts));
+                x += weights.len() as i32;
             }
         }
         num_clamped
     }
 }
 
-/// Calls `act` with the samples of a page that may lie within an instance's radius, by rows of at most [`ROW_CHUNK`], and the
-/// instance's amounts there.
-fn for_each_row(
-    page: &mut Page,
-    batch: &Batch,
-    instance: &Instance,
-    rect: &SampleRect,
-    page_rect: &SampleRect,
-    mut act: impl FnMut(RowStart, &mut [f32], &[f32]),
-) {
-    let mut amounts = [0.0; ROW_CHUNK];
-    for z in rect.z0..rect.z1 {
-        let (x0, x1) = chord(instance, rect, z);
-        let columns = (x0.abs_diff(page_rect.x0), x1.abs_diff(page_rect.x0));
-        let Some(row) = page.row_mut(z.abs_diff(page_rect.z0), columns.0, columns.1) else { continue };
-        let mut x = x0;
-        for chunk in row.chunks_mut(ROW_CHUNK) {
-            let Some(amounts) = amounts.get_mut(..chunk.len()) else { continue };
-            amounts::row(amounts, x, z, instance, &batch.pass.falloff, batch.pass.weight_mode);
-            act(RowStart { x, z }, chunk, amounts);
-            x += chunk.len() as i32;
-        }
-    }
-}
-
 /// The columns of a row of `rect` that may lie within an instance's radius. Errs on the side of one sample more, whose
 /// weight is then exactly 0.
 fn chord(instance: &Instance, rect: &SampleRect, z: i32) -> (i32, i32) {
-    if instance.inverse_radius <= 0.0 {
+    if instance.inverse_radius <= 0.0 || instance.inverse_segment_squared > 0.0 {
         return (rect.x0, rect.x1);
     }
     let [cell_x, cell_z] = instance.cell.map(f64::from);

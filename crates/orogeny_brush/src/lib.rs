@@ -9,10 +9,13 @@
 //! a sample one after another in stroke order, and a wash keeps a largest weight, which has no order.
 
 mod curve;
+mod dynamics;
 mod error;
 mod execute;
 mod executor_cpu;
 mod executor_gpu;
+mod frames;
+mod gate;
 
 pub mod kernels;
 mod plan;
@@ -20,6 +23,7 @@ mod planner;
 mod sampler;
 mod spacing;
 mod spill;
+mod symmetry;
 mod tiles;
 
 pub use curve::CurveSegment;
@@ -28,8 +32,11 @@ pub use execute::{Executor, Notices, PageMemory};
 pub use executor_cpu::CpuExecutor;
 pub use executor_gpu::{BrushUniform, GpuBudget, GpuExecutor};
 
-pub use plan::{Batch, PageWork, Pass, Stage};
-pub use planner::{StrokePlanner, plan_fill};
-pub use sampler::{PlacedSample, StrokeSampler};
+pub use gate::GatePlan;
+pub use kernels::custom::{CustomProgram, CustomRule};
+pub use kernels::{Rule, Stage};
+pub use plan::{Batch, PageWork, Pass};
+pub use planner::{Canvas, Resources, StrokePlanner, plan_fill, resolved};
+pub use sampler::{Pen, PlacedSample, StrokeSampler};
 pub use spacing::Spacing;
 pub use tiles::Tile;

@@ -1,41 +1,49 @@
 //! Work as plain data: what a kernel is to do, with which instances, on which pages.
 
-use orogeny_field::{
-    Falloff, FieldId, Instance, LedgeDirection, LevelOnly, PageKey, PageLayout, SampleRect, WeightMode,
-};
+use std::sync::Arc;
 
-/// A kernel. Several brush types may share one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Stage {
-    /// `brush/raise`: raise and lower.
-    Raise,
-    /// `brush/ledge`.
-    Ledge,
-    /// `brush/level`: level and set height.
-    Level,
-    /// `brush/roughen`.
-    Roughen,
-}
+use orogeny_field::noise::NoiseFrame;
+use orogeny_field::{Bitmap, FieldId, Footprint, Instance, PageKey, PageLayout, SampleRect, WeightMode};
+
+use crate::gate::GatePlan;
+use crate::kernels::Rule;
 
 /// What is the same for all instances of a stroke or fill.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Pass {
-    /// Which kernel.
-    pub stage: Stage,
-    /// How weights become amounts.
-    pub weight_mode: WeightMode,
-    /// The profile.
-    pub falloff: Falloff,
+    /// What the kernel does.
+    pub rule: Rule,
+    /// How instances cover samples.
+    pub footprint: Footprint,
     /// The field whose pages are changed.
     pub field: FieldId,
-    /// Goal of `level`, in metres.
-    pub target_height_m: f32,
-    /// Which side `ledge` moves.
-    pub ledge_direction: LedgeDirection,
-    /// Which way `level` moves.
-    pub level_only: LevelOnly,
-    /// Feeds `roughen`.
-    pub seed: u32,
+    /// Whether that is a mask or a selection, whose values stay within 0..1.
+    pub is_mask: bool,
+    /// Where it may act.
+    pub gate: Option<Arc<GatePlan>>,
+}
+
+impl Pass {
+    /// A pass over heights, without a gate.
+    #[must_use]
+    pub const fn new(rule: Rule, footprint: Footprint, field: FieldId) -> Self {
+        Self { rule, footprint, field, is_mask: false, gate: None }
+    }
+
+    /// The picture that the kernel reads: that of its footprint, or a stamp's.
+    #[must_use]
+    pub const fn bitmap(&self) -> Option<&Arc<Bitmap>> {
+        match &self.rule {
+            Rule::Stamp { bitmap, .. } => Some(bitmap),
+            _ => self.footprint.alpha.as_ref(),
+        }
+    }
+
+    /// How weights become amounts.
+    #[must_use]
+    pub const fn weight_mode(&self) -> WeightMode {
+        self.footprint.weight_mode
+    }
 }
 
 /// Successive instances of a stroke and the pages that they touch.
@@ -47,6 +55,8 @@ pub struct Batch {
     pub instances: Vec<Instance>,
     /// The samples that each instance may change, within the terrain; same order.
     pub bounds: Vec<SampleRect>,
+    /// Of a noise: its frames, to which instances refer.
+    pub frames: Arc<Vec<NoiseFrame>>,
     /// In the order of their keys, each once.
     pub pages: Vec<PageWork>,
 }
@@ -83,11 +93,17 @@ impl Batch {
                 work.instances.push(index as u32);
             }
         }
-        Self { pass, instances, bounds, pages: pages.into_values().collect() }
+        Self { pass, instances, bounds, frames: Arc::default(), pages: pages.into_values().collect() }
     }
 }
 
 impl Batch {
+    /// The same work with the frames of a noise.
+    #[must_use]
+    pub fn with_frames(self, frames: Arc<Vec<NoiseFrame>>) -> Self {
+        Self { frames, ..self }
+    }
+
     /// The same work in pieces of at most `max_pages` pages each, which may be run one after another. A piece has all of the
     /// batch's instances and bounds; its pages say what of them is to be done.
     pub fn split(mut self, max_pages: usize) -> impl Iterator<Item = Self> {
@@ -110,6 +126,10 @@ pub(crate) fn reaches(instance: &Instance, rect: &SampleRect) -> bool {
     }
     let [cell_x, cell_z] = instance.cell.map(f64::from);
     let [fraction_x, fraction_z] = instance.fraction.map(f64::from);
+    if instance.inverse_segment_squared > 0.0 {
+        // A ramp: its bounds are near enough.
+        return true;
+    }
     let outside =
         |place: f64, first: i32, end: i32| place - place.clamp(f64::from(first), f64::from(end - 1));
     let dx = outside(cell_x + fraction_x, rect.x0, rect.x1);
@@ -125,24 +145,8 @@ mod tests {
 
     #[test]
     fn pieces_of_a_batch_have_all_of_its_pages_once_and_in_order() {
-        let pass = Pass {
-            stage: Stage::Raise,
-            weight_mode: WeightMode::Direct,
-            falloff: Falloff::HARD_EDGE,
-            field: FieldId(1),
-            target_height_m: 0.0,
-            ledge_direction: LedgeDirection::Raise,
-            level_only: LevelOnly::Both,
-            seed: 0,
-        };
-        let everywhere = Instance {
-            cell: [0, 0],
-            fraction: [0.0, 0.0],
-            inverse_radius: 0.0,
-            amplitude: 1.0,
-            reference_height_m: 0.0,
-            inverse_radius_m: 0.0,
-        };
+        let pass = Pass::new(Rule::Raise, Footprint::EVERYWHERE, FieldId(1));
+        let everywhere = Instance::EVERYWHERE;
         let layout = PageLayout::new(64).unwrap();
         let bounds = vec![SampleRect::new(10, 10, 300, 200)];
         let batch = Batch::new(pass, layout, vec![everywhere], bounds);

@@ -1,14 +1,25 @@
-//! From a brush and places to batches: strength, pressure, heights found under the stroke.
+//! From a brush and places to batches: strength, pressure, copies, heights found under the stroke.
 
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use orogeny_field::noise::{Noise, Normalization};
 use orogeny_field::{
-    Blending, Brush, Coverage, Falloff, FieldId, Instance, PageLayout, PointerSample, SampleRect,
-    TerrainGrid, WeightMode,
+    AlphaRotation, Bitmap, Blending, Brush, BrushType, Coverage, Falloff, FieldId, Footprint, HeightRange,
+    Instance, PageLayout, PointerSample, SampleRect, TerraceSteps, TerrainGrid, WeightMode,
 };
 use orogeny_pages::{HeightProbe, PageStore};
+use orogeny_reference::noise::normalization;
 
-use crate::plan::{Batch, Pass, Stage};
-use crate::sampler::{PlacedSample, StrokeSampler};
+use crate::dynamics::Touch;
+use crate::frames::Frames;
+use crate::gate::GatePlan;
+use crate::kernels::custom::{CustomProgram, CustomRule};
+use crate::kernels::{Rule, Stage};
+use crate::plan::{Batch, Pass};
+use crate::sampler::{Pen, PlacedSample, StrokeSampler};
 use crate::spacing::Spacing;
+use crate::symmetry::{self, Image};
 use crate::{Error, Result};
 
 /// Blending strengths above this build up as this one, whose logarithm is finite.
@@ -22,54 +33,210 @@ const BATCH_PAGES: u64 = 1 << 16;
 /// Places after which a batch ends, on the terrain or not: bounds the time between two looks at whether to go on.
 const BATCH_PLACES: u32 = 1 << 16;
 
+/// What is painted on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Canvas {
+    /// The terrain.
+    pub grid: TerrainGrid,
+    /// How its planes are cut.
+    pub layout: PageLayout,
+    /// The field whose pages are changed.
+    pub field: FieldId,
+    /// Whether that is a mask or a selection, whose values stay within 0..1.
+    pub is_mask: bool,
+    /// The heights that gates look at.
+    pub heights: FieldId,
+    /// The selection that gates look at.
+    pub selection: FieldId,
+}
+
+impl Canvas {
+    /// A field of heights, and no selection.
+    #[must_use]
+    pub const fn heights(grid: TerrainGrid, layout: PageLayout, field: FieldId) -> Self {
+        // No field has this number: it reads as its constant.
+        Self { grid, layout, field, is_mask: false, heights: field, selection: FieldId(u32::MAX) }
+    }
+}
+
+/// Data from outside that a brush names.
+#[derive(Debug, Clone, Default)]
+pub struct Resources {
+    /// The picture of its alpha.
+    pub alpha: Option<Arc<Bitmap>>,
+    /// The kernel that its user wrote.
+    pub custom: Option<Arc<CustomProgram>>,
+}
+
+/// The same brush with all that has to be found out for it found out: what its noises are normalised by.
+#[must_use]
+pub fn resolved(brush: &Brush) -> Brush {
+    let mut brush = brush.clone();
+    if brush.brush_type == BrushType::Noise {
+        resolve(&mut brush.noise);
+    }
+    if let Some(noise) = brush.gate.as_mut().and_then(|gate| gate.noise.as_mut()) {
+        resolve(&mut noise.noise);
+    }
+    brush
+}
+
+/// Normalising takes tens of milliseconds, and the next stroke most often has the same noise.
+static NORMALIZED: Mutex<VecDeque<(Noise, Normalization)>> = Mutex::new(VecDeque::new());
+const MAX_NORMALIZED: usize = 64;
+
+fn resolve(noise: &mut Noise) {
+    if noise.normalization != Normalization::Wanted {
+        return;
+    }
+    // A thread that failed while it had the list leaves it whole: it is only pushed to.
+    let known = |list: &VecDeque<(Noise, Normalization)>| {
+        list.iter().find(|(known, _)| known == noise).map(|(_, numbers)| *numbers)
+    };
+    let lock = || NORMALIZED.lock().unwrap_or_else(PoisonError::into_inner);
+    let found = known(&lock());
+    let numbers = found.unwrap_or_else(|| {
+        let (offset, scale) = normalization(noise);
+        let numbers = Normalization::Given { offset, scale };
+        let mut list = lock();
+        list.truncate(MAX_NORMALIZED - 1);
+        list.push_front((noise.clone(), numbers));
+        numbers
+    });
+    noise.normalization = numbers;
+}
+
+/// What strokes and fills have in common.
+#[derive(Debug)]
+struct Plan {
+    brush: Brush,
+    seed: u32,
+    canvas: Canvas,
+    resources: Resources,
+    gate: Option<Arc<GatePlan>>,
+    custom: Option<CustomRule>,
+}
+
+impl Plan {
+    fn new(brush: &Brush, seed: u32, canvas: Canvas, resources: Resources) -> Result<Self> {
+        brush.check()?;
+        if brush.alpha.is_some() && resources.alpha.is_none() {
+            let why = "its picture was not loaded";
+            return Err(missing(brush, "alpha", why));
+        }
+        let custom = match (brush.brush_type, &resources.custom) {
+            (BrushType::Custom, Some(program)) => {
+                Some(CustomRule::new(Arc::clone(program), brush, seed, &canvas.grid)?)
+            }
+            (BrushType::Custom, None) => return Err(missing(brush, "file", "its kernel was not loaded")),
+            _ => None,
+        };
+        let brush = resolved(brush);
+        let gate = match &brush.gate {
+            Some(gate) => Some(Arc::new(GatePlan::new(gate, canvas.grid, canvas.heights, canvas.selection)?)),
+            None => None,
+        };
+        Ok(Self { brush, seed, canvas, resources, gate, custom })
+    }
+
+    /// What the kernel does; `anchor` is the stroke's first point, in samples.
+    fn rule(&self, target_height_m: f32, anchor: [f64; 2], frames: Option<&Frames>) -> Rule {
+        let brush = &self.brush;
+        match Stage::of(brush.brush_type) {
+            Stage::Raise => Rule::Raise,
+            Stage::Ledge => Rule::Ledge(brush.direction),
+            Stage::Level => Rule::Level { target_height_m, only: brush.only },
+            Stage::Ramp => Rule::Ramp { along: brush.along, only: brush.only },
+            Stage::Roughen => Rule::Roughen { seed: self.seed },
+            Stage::Noise => match frames {
+                Some(frames) => Rule::Noise(Arc::clone(frames.kernel())),
+                None => Rule::Raise,
+            },
+            Stage::Terrace => {
+                let anchor = anchor.map(|place| place.round() as i32);
+                Rule::Terrace(TerraceSteps::new(&brush.terrace, self.canvas.grid.spacing_m(), anchor))
+            }
+            Stage::RangeMap => Rule::RangeMap(HeightRange::from(&brush.range_map)),
+            Stage::Stamp => match &self.resources.alpha {
+                Some(bitmap) => Rule::Stamp {
+                    scale_m: brush.stamp.scale_m as f32,
+                    mode: brush.stamp.mode,
+                    bitmap: Arc::clone(bitmap),
+                },
+                None => Rule::Raise,
+            },
+            Stage::Custom => match &self.custom {
+                Some(custom) => Rule::Custom(custom.clone()),
+                None => Rule::Raise,
+            },
+            Stage::Mask => Rule::Mask {
+                value: if brush.brush_type == BrushType::EraseMask { 0.0 } else { brush.mask_value as f32 },
+            },
+        }
+    }
+
+    fn frames(&self, anchor: [f64; 2]) -> Result<Option<Frames>> {
+        if self.brush.brush_type != BrushType::Noise {
+            return Ok(None);
+        }
+        let spacing_m = self.canvas.grid.spacing_m();
+        let anchor_m = anchor.map(|place| place * spacing_m);
+        Frames::new(&self.brush.noise, self.seed, &self.canvas.grid, anchor_m).map(Some)
+    }
+
+    fn pass(&self, rule: Rule, footprint: Footprint) -> Pass {
+        Pass {
+            rule,
+            footprint,
+            field: self.canvas.field,
+            is_mask: self.canvas.is_mask,
+            gate: self.gate.clone(),
+        }
+    }
+}
+
 /// A stroke on its way: takes pointer samples, gives batches.
 #[derive(Debug)]
 pub struct StrokePlanner {
-    brush: Brush,
-    grid: TerrainGrid,
-    layout: PageLayout,
-    field: FieldId,
-    seed: u32,
+    plan: Plan,
+    images: Vec<Image>,
     radius: f64,
     spacing: Spacing,
     sampler: StrokeSampler,
     probe: HeightProbe,
     first_position: Option<[f64; 2]>,
+    last_position: Option<[f64; 2]>,
     target_height_m: Option<f32>,
+    frames: Option<Frames>,
     num_points: usize,
+    /// Of a ramp: whether its batch was given.
+    is_ramp_given: bool,
 }
 
 impl StrokePlanner {
-    /// A stroke with no points yet, on one field of a terrain. `seed` feeds everything random in it.
+    /// A stroke with no points yet. `seed` feeds everything random in it.
     ///
     /// # Errors
-    /// [`Error::Field`] for a brush with a number that it cannot use.
-    pub fn new(
-        brush: Brush,
-        seed: u32,
-        grid: TerrainGrid,
-        layout: PageLayout,
-        field: FieldId,
-    ) -> Result<Self> {
-        brush.check()?;
+    /// [`Error::Field`] for a brush with a number that it cannot use, or whose data is not in `resources`.
+    pub fn new(brush: &Brush, seed: u32, canvas: Canvas, resources: Resources) -> Result<Self> {
+        let plan = Plan::new(brush, seed, canvas, resources)?;
+        let grid = canvas.grid;
         let radius = brush.radius_m / grid.spacing_m();
         let spacing = Spacing::new(&brush.profile(), radius, brush.spacing);
         let sampler = StrokeSampler::new(spacing.distance, spacing.distance * grid.spacing_m());
-        let probe = HeightProbe::new(grid, field);
-        let target_height_m = brush.height_m;
         Ok(Self {
-            brush,
-            grid,
-            layout,
-            field,
-            seed,
+            images: symmetry::images(brush.symmetry.as_ref(), &grid),
             radius,
             spacing,
-            sampler,
-            probe,
+            sampler: if brush.is_airbrush { sampler.as_airbrush() } else { sampler },
+            probe: HeightProbe::new(grid, canvas.field),
             first_position: None,
-            target_height_m,
+            last_position: None,
+            target_height_m: brush.height_m,
+            frames: None,
             num_points: 0,
+            is_ramp_given: false,
+            plan,
         })
     }
 
@@ -79,10 +246,16 @@ impl StrokePlanner {
     /// [`orogeny_field::Error::Point`] for one that cannot be used, [`Error::TooManyInstances`] for one that makes the
     /// stroke too long; the stroke goes on without it.
     pub fn push(&mut self, sample: &PointerSample) -> Result<()> {
-        sample.check(&self.grid, self.num_points)?;
-        let position = self.grid.sample_from_world(sample.position_m);
-        self.sampler.push(position, f64::from(sample.pressure))?;
-        self.first_position.get_or_insert(position);
+        let grid = &self.plan.canvas.grid;
+        sample.check(grid, self.num_points)?;
+        let position = grid.sample_from_world(sample.position_m);
+        let pen = Pen { pressure: f64::from(sample.pressure), tilt: f64::from(sample.tilt_deg) / 90.0 };
+        self.sampler.push(position, pen, sample.time_s)?;
+        if self.first_position.is_none() {
+            self.first_position = Some(position);
+            self.frames = self.plan.frames(position)?;
+        }
+        self.last_position = Some(position);
         self.num_points += 1;
         Ok(())
     }
@@ -92,87 +265,179 @@ impl StrokePlanner {
         self.sampler.finish();
     }
 
-    /// The next batch of at most `max_instances` settled instances; `None` when none is settled. A batch may be empty, where
-    /// a stroke runs outside the terrain for long.
+    /// The next batch of at most `max_instances` settled instances and the copies of the last of them; `None` when none is
+    /// settled. A batch may be empty, where a stroke runs outside the terrain for long.
     ///
     /// # Errors
     /// [`Error::TooManyInstances`]; [`Error::TooManyPages`] for an absurd radius; [`Error::Pages`] when a height under the
-    /// stroke cannot be read.
+    /// stroke cannot be read; [`Error::Field`] for a ramp that leads nowhere.
     pub fn next_batch(&mut self, store: &mut dyn PageStore, max_instances: usize) -> Result<Option<Batch>> {
+        if Stage::of(self.plan.brush.brush_type) == Stage::Ramp {
+            return self.ramp(store);
+        }
         let mut instances = Vec::new();
         let mut bounds = Vec::new();
         let (mut num_places, mut num_pages) = (0, 0);
         while instances.len() < max_instances && num_pages < BATCH_PAGES && num_places < BATCH_PLACES {
             let Some(place) = self.sampler.next_place()? else { break };
             num_places += 1;
-            let radius = self.scaled_radius(&place);
+            let touch = Touch::of(&self.plan.brush, self.plan.seed, &place);
+            let radius = self.radius * touch.radius;
             if radius < 0.5 {
                 continue;
             }
-            let bound = bounds_of(place.position, radius).intersection(&self.grid.bounds());
-            if bound.is_empty() {
-                continue;
+            let [x, z] = place.position;
+            let [off_x, off_z] = touch.offset;
+            let centre = [x + off_x * self.radius, z + off_z * self.radius];
+            for (image, position) in symmetry::places(&self.images, centre) {
+                let bound = bounds_of(position, radius).intersection(&self.plan.canvas.grid.bounds());
+                if bound.is_empty() {
+                    continue;
+                }
+                num_pages += checked_num_pages(self.plan.canvas.layout, bound)?;
+                instances.push(self.instance(store, &place, &touch, &image, position, radius)?);
+                bounds.push(bound);
             }
-            num_pages += checked_num_pages(self.layout, bound)?;
-            instances.push(self.instance(store, &place, radius)?);
-            bounds.push(bound);
         }
         if num_places == 0 {
             return Ok(None);
         }
         let pass = self.pass(store)?;
-        Ok(Some(Batch::new(pass, self.layout, instances, bounds)))
+        let frames = self.frames.as_mut().map(Frames::take).unwrap_or_default();
+        Ok(Some(Batch::new(pass, self.plan.canvas.layout, instances, bounds).with_frames(frames)))
+    }
+
+    /// A ramp's one batch, once the stroke has ended.
+    fn ramp(&mut self, store: &mut dyn PageStore) -> Result<Option<Batch>> {
+        let (Some(start), Some(end)) = (self.first_position, self.last_position) else { return Ok(None) };
+        if !self.sampler.is_finished() || std::mem::replace(&mut self.is_ramp_given, true) {
+            return Ok(None);
+        }
+        let brush = &self.plan.brush;
+        let length = crate::curve::distance(start, end);
+        if length < 1.0 {
+            return Err(missing(
+                brush,
+                "points",
+                "a ramp leads from the stroke's first point to its last, a sample away or more",
+            ));
+        }
+        let ends = [(start, brush.height_m), (end, brush.end_height_m)];
+        let mut heights_m = [0.0; 2];
+        for (height_m, (place, given)) in heights_m.iter_mut().zip(ends) {
+            *height_m = match given {
+                Some(given) => given,
+                None => self.probe.height_m(store, place)?,
+            };
+        }
+        let [reference_height_m, end_height_m] = heights_m;
+        let (mut instances, mut bounds) = (Vec::new(), Vec::new());
+        for image in &self.images {
+            let (start, end) = (image.place(start), image.place(end));
+            let bound = bounds_of(start, self.radius).bounds_with(&bounds_of(end, self.radius));
+            let bound = bound.intersection(&self.plan.canvas.grid.bounds());
+            checked_num_pages(self.plan.canvas.layout, bound)?;
+            let ([x, z], [end_x, end_z]) = (start, end);
+            instances.push(Instance {
+                amplitude: self.plan.brush.strength as f32,
+                reference_height_m,
+                end_height_m,
+                segment: [(end_x - x) as f32, (end_z - z) as f32],
+                inverse_segment_squared: (1.0 / (length * length)) as f32,
+                ..placed(start, self.radius, self.plan.canvas.grid.spacing_m())
+            });
+            bounds.push(bound);
+        }
+        let pass = self.pass(store)?;
+        Ok(Some(Batch::new(pass, self.plan.canvas.layout, instances, bounds)))
+    }
+
+    /// Whether instances carry a share of a pass each, rather than one all of it.
+    const fn is_pass(&self) -> bool {
+        self.sampler.has_moved() || self.plan.brush.is_airbrush
     }
 
     fn weight_mode(&self) -> WeightMode {
-        match (self.brush.brush_type.coverage(), self.brush.blending) {
+        let brush = &self.plan.brush;
+        match (brush.brush_type.coverage(), brush.blending) {
             (Coverage::Additive, _) => WeightMode::Direct,
+            (Coverage::Blending, _) if Stage::of(brush.brush_type).has_goal_of_instance() => {
+                WeightMode::Direct
+            }
             // A dab that never moves is its own wash.
-            (Coverage::Blending, _) if !self.sampler.has_moved() => WeightMode::Direct,
+            (Coverage::Blending, _) if !self.is_pass() => WeightMode::Direct,
             (Coverage::Blending, Blending::BuildUp) => WeightMode::BuildUp,
             (Coverage::Blending, Blending::Wash) => WeightMode::Wash,
+            (Coverage::Blending, Blending::Each) => WeightMode::Direct,
         }
     }
 
-    fn scaled_radius(&self, place: &PlacedSample) -> f64 {
-        if self.brush.pressure.scales_radius() { self.radius * place.pressure } else { self.radius }
-    }
-
-    fn instance(&mut self, store: &mut dyn PageStore, place: &PlacedSample, radius: f64) -> Result<Instance> {
-        let strength = if self.brush.pressure.scales_strength() {
-            self.brush.strength * place.pressure
-        } else {
-            self.brush.strength
+    fn instance(
+        &mut self,
+        store: &mut dyn PageStore,
+        place: &PlacedSample,
+        touch: &Touch,
+        image: &Image,
+        position: [f64; 2],
+        radius: f64,
+    ) -> Result<Instance> {
+        let brush = &self.plan.brush;
+        let strength = brush.strength * touch.strength;
+        // A smaller instance carries a larger share of the pass; one that stands alone, all of it; one that rests, its time's.
+        let share = match place.rested_s {
+            Some(rested_s) => rested_s,
+            None if self.is_pass() => (self.spacing.share * self.radius / radius).min(1.0),
+            None => 1.0,
         };
-        // A smaller instance carries a larger share of the pass; one that stands alone, all of it.
-        let share =
-            if self.sampler.has_moved() { (self.spacing.share * self.radius / radius).min(1.0) } else { 1.0 };
-        let stage = Stage::of(self.brush.brush_type);
-        let amplitude = match (self.brush.brush_type.coverage(), self.weight_mode()) {
-            (Coverage::Additive, _) => stage.sign(&self.brush) * strength * share,
-            (Coverage::Blending, WeightMode::BuildUp) => (-strength.min(MAX_BUILD_UP)).ln_1p() * share,
-            (Coverage::Blending, _) => strength,
+        let stage = Stage::of(brush.brush_type);
+        let mode = self.weight_mode();
+        let amplitude = match (brush.brush_type.coverage(), mode) {
+            (Coverage::Additive, _) => stage.sign(brush) * strength * touch.flow * share,
+            (Coverage::Blending, WeightMode::BuildUp) => {
+                (-(strength * touch.flow).min(MAX_BUILD_UP)).ln_1p() * share
+            }
+            (Coverage::Blending, WeightMode::Wash) => strength,
+            (Coverage::Blending, WeightMode::Direct) => strength * touch.flow,
         };
-        let reference_height_m = match self.brush.height_m {
+        let flow = if touch.flow < 1.0 { 1.0 - (1.0 - touch.flow).powf(share) } else { 1.0 };
+        let reference_height_m = match brush.height_m {
             _ if !stage.needs_reference_height() => 0.0,
             Some(height_m) => height_m,
-            None => self.probe.height_m(store, place.position)?,
+            None => self.probe.height_m(store, position)?,
         };
-        let cell = place.position.map(f64::floor);
-        let [x, z] = place.position;
-        let [cell_x, cell_z] = cell;
-        Ok(Instance {
-            cell: cell.map(|cell| cell as i32),
-            fraction: [(x - cell_x) as f32, (z - cell_z) as f32],
-            inverse_radius: inverse_rounded_up(radius),
+        let (axis, mirror) = self.alpha_axis(place, touch, image);
+        let mut instance = Instance {
             amplitude: amplitude as f32,
             reference_height_m,
-            inverse_radius_m: (1.0 / (radius * self.grid.spacing_m())) as f32,
-        })
+            axis,
+            mirror,
+            flow: flow as f32,
+            ..placed(position, radius, self.plan.canvas.grid.spacing_m())
+        };
+        if let Some(frames) = &mut self.frames {
+            frames.assign(&mut instance, place.index, position, image.way(place.direction));
+        }
+        Ok(instance)
+    }
+
+    /// Which way an instance's bitmap lies, and -1 where its left and right change places.
+    fn alpha_axis(&self, place: &PlacedSample, touch: &Touch, image: &Image) -> ([f32; 2], f32) {
+        let Some(alpha) = &self.plan.brush.alpha else { return ([1.0, 0.0], 1.0) };
+        let [x, z] = place.direction;
+        let turned = match alpha.rotation {
+            AlphaRotation::Fixed => 0.0,
+            AlphaRotation::Follow => z.atan2(x),
+            AlphaRotation::Random => touch.angle,
+        };
+        let (sin, cos) = (alpha.angle_deg.to_radians() + turned).sin_cos();
+        let mirror = if alpha.is_mirrored { -1.0 } else { 1.0 };
+        let [x, z] = image.way([cos, sin]).map(|part| part as f32);
+        // In a mirror the picture's other axis turns over; it does so too when the first one and the picture do.
+        if image.is_reflection { ([-x, -z], -mirror) } else { ([x, z], mirror) }
     }
 
     fn pass(&mut self, store: &mut dyn PageStore) -> Result<Pass> {
-        let stage = Stage::of(self.brush.brush_type);
+        let stage = Stage::of(self.plan.brush.brush_type);
         let target_height_m = match (self.target_height_m, self.first_position) {
             (Some(height_m), _) => height_m,
             (None, Some(position)) if stage.needs_target_height() => {
@@ -181,17 +446,34 @@ impl StrokePlanner {
             }
             _ => 0.0,
         };
-        Ok(Pass {
-            stage,
+        let anchor = self.first_position.unwrap_or_default();
+        let footprint = Footprint {
+            falloff: Falloff::from(self.plan.brush.profile()),
             weight_mode: self.weight_mode(),
-            falloff: Falloff::from(self.brush.profile()),
-            field: self.field,
-            target_height_m,
-            ledge_direction: self.brush.direction,
-            level_only: self.brush.only,
-            seed: self.seed,
-        })
+            // A stamp's picture is its height, not its weight.
+            alpha: self.plan.resources.alpha.clone().filter(|_| stage != Stage::Stamp),
+            is_segment: stage == Stage::Ramp,
+        };
+        Ok(self.plan.pass(self.plan.rule(target_height_m, anchor, self.frames.as_ref()), footprint))
     }
+}
+
+/// An instance at a place, of a radius in samples, that does nothing yet.
+fn placed(position: [f64; 2], radius: f64, spacing_m: f64) -> Instance {
+    let [x, z] = position;
+    let cell = position.map(f64::floor);
+    let [cell_x, cell_z] = cell;
+    Instance {
+        cell: cell.map(|cell| cell as i32),
+        fraction: [(x - cell_x) as f32, (z - cell_z) as f32],
+        inverse_radius: inverse_rounded_up(radius),
+        inverse_radius_m: (1.0 / (radius * spacing_m)) as f32,
+        ..Instance::EVERYWHERE
+    }
+}
+
+fn missing(brush: &Brush, field: &'static str, why: &'static str) -> Error {
+    orogeny_field::Error::MissingField { brush: brush.brush_type.name(), field, why }.into()
 }
 
 /// `1 / radius`, no smaller than it is, so that a sample at the radius has `r >= 1` and a weight of exactly 0.
@@ -218,49 +500,53 @@ fn checked_num_pages(layout: PageLayout, rect: SampleRect) -> Result<u64> {
 /// Plans a brush applied once at full weight to `region`, which is clipped to the terrain.
 ///
 /// # Errors
-/// [`Error::Field`] for a brush with a number that it cannot use, and with [`orogeny_field::Error::MissingField`] for `level`
-/// and `ledge` without a height: there is no stroke to find it under; [`Error::TooManyPages`] for a region beyond what one
-/// operation may change.
+/// [`Error::Field`] for a brush with a number that it cannot use, and with [`orogeny_field::Error::MissingField`] for one that
+/// needs a stroke: `ramp`, `stamp`, a noise that follows the stroke or goes with its instances, `level` and `ledge` without a
+/// height; [`Error::TooManyPages`] for a region beyond what one operation may change.
 pub fn plan_fill(
     brush: &Brush,
     seed: u32,
-    grid: &TerrainGrid,
-    layout: PageLayout,
-    field: FieldId,
+    canvas: Canvas,
+    resources: Resources,
     region: SampleRect,
 ) -> Result<Batch> {
-    brush.check()?;
     let stage = Stage::of(brush.brush_type);
+    if stage.has_goal_of_instance() {
+        return Err(missing(brush, "points", "it needs a stroke, and a fill has none"));
+    }
     let needs_height = stage.needs_reference_height() || stage.needs_target_height();
     if needs_height && brush.height_m.is_none() {
-        let why = "a fill has no stroke whose ground could give it";
-        let missing =
-            orogeny_field::Error::MissingField { brush: brush.brush_type.name(), field: "height", why };
-        return Err(Error::Field(missing));
+        return Err(missing(brush, "height", "a fill has no stroke whose ground could give it"));
     }
+    if brush.noise.direction.is_some_and(|direction| direction.follows_stroke) {
+        return Err(missing(brush, "points", "its noise follows the stroke, and a fill has none"));
+    }
+    if brush.alpha.is_some() {
+        return Err(missing(
+            brush,
+            "points",
+            "its bitmap lies about the places of a stroke, and a fill has none",
+        ));
+    }
+    let plan = Plan::new(brush, seed, canvas, resources)?;
     let height_m = brush.height_m.unwrap_or_default();
-    let pass = Pass {
-        stage,
-        weight_mode: WeightMode::Direct,
-        falloff: Falloff::HARD_EDGE,
-        field,
-        target_height_m: height_m,
-        ledge_direction: brush.direction,
-        level_only: brush.only,
-        seed,
-    };
-    let everywhere = Instance {
-        cell: [0, 0],
-        fraction: [0.0, 0.0],
-        inverse_radius: 0.0,
+    let mut everywhere = Instance {
         amplitude: (stage.sign(brush) * brush.strength) as f32,
         reference_height_m: height_m,
         // Finite for the smallest radius too: 0 m above the reference times infinity would be no number.
         inverse_radius_m: (1.0 / brush.radius_m).min(f64::from(f32::MAX)) as f32,
+        ..Instance::EVERYWHERE
     };
-    let region = region.intersection(&grid.bounds());
-    checked_num_pages(layout, region)?;
-    Ok(Batch::new(pass, layout, vec![everywhere], vec![region]))
+    let mut frames = plan.frames([0.0, 0.0])?;
+    if let Some(frames) = &mut frames {
+        frames.assign(&mut everywhere, 0, [0.0, 0.0], [1.0, 0.0]);
+    }
+    let rule = plan.rule(height_m, [0.0, 0.0], frames.as_ref());
+    let region = region.intersection(&canvas.grid.bounds());
+    checked_num_pages(canvas.layout, region)?;
+    let batch =
+        Batch::new(plan.pass(rule, Footprint::EVERYWHERE), canvas.layout, vec![everywhere], vec![region]);
+    Ok(batch.with_frames(frames.as_mut().map(Frames::take).unwrap_or_default()))
 }
 
 #[cfg(test)]

@@ -6,6 +6,8 @@ use orogeny_field::{Profile, ProfileShape};
 const MIN_SPACING: f64 = 1.0 / 32.0;
 /// The largest ripple along a pass for which the spacing is not halved: each way, so 2 % from crest to trough.
 const MAX_RIPPLE: f64 = 0.01;
+/// The least integral of a curve over its diameter: one that is 0 nearly everywhere still has an amplitude that is finite.
+const MIN_INTEGRAL: f64 = 1.0e-3;
 /// Places between two instances at which the ripple is looked for.
 const NUM_PHASES: u32 = 64;
 
@@ -18,7 +20,7 @@ fn profile_weight(profile: &Profile, r: f64) -> f64 {
         return 1.0;
     }
     let t = ((1.0 - r) / profile.falloff_ratio).clamp(0.0, 1.0);
-    match profile.shape {
+    match &profile.shape {
         ProfileShape::Linear => t,
         ProfileShape::Smooth => t * t * (3.0 - 2.0 * t),
         ProfileShape::Sphere => (t * (2.0 - t)).sqrt(),
@@ -29,9 +31,10 @@ fn profile_weight(profile: &Profile, r: f64) -> f64 {
         }
         ProfileShape::Power { power } => {
             let plateau = 1.0 - profile.falloff_ratio;
-            ((1.0 - r.powf(power)) / (1.0 - plateau.powf(power))).clamp(0.0, 1.0)
+            ((1.0 - r.powf(*power)) / (1.0 - plateau.powf(*power))).clamp(0.0, 1.0)
         }
         ProfileShape::Sigmoid { steepness } => (steepness * (1.0 - r)).tanh() / steepness.tanh(),
+        ProfileShape::Curve(curve) => curve.value(t),
     }
 }
 
@@ -42,19 +45,29 @@ fn diameter_integral(profile: &Profile) -> f64 {
     }
     let slope = profile.falloff_ratio;
     // The integral over 0..1 of the shape on its slope, in closed form where there is one.
-    let shape_integral = match profile.shape {
+    let shape_integral = match &profile.shape {
         ProfileShape::Linear | ProfileShape::Smooth => 0.5,
         ProfileShape::Sphere => std::f64::consts::FRAC_PI_4,
         ProfileShape::Tip => 1.0 - std::f64::consts::FRAC_PI_4,
-        ProfileShape::Gauss => {
-            simpson(|t| profile_weight(&Profile { falloff_ratio: 1.0, ..*profile }, 1.0 - t))
+        ProfileShape::Gauss | ProfileShape::Curve(_) => {
+            let full = Profile { falloff_ratio: 1.0, shape: profile.shape.clone() };
+            let integral = simpson(|t| profile_weight(&full, 1.0 - t));
+            if profile.shape == ProfileShape::Gauss {
+                integral
+            } else {
+                // A curve may be 1 nowhere: what is inside its slope has the value at its end.
+                let plateau = profile_weight(&full, 0.0);
+                return (2.0 * ((1.0 - slope) * plateau + slope * integral)).max(MIN_INTEGRAL);
+            }
         }
         ProfileShape::Power { power } => {
+            let power = *power;
             let plateau = 1.0 - slope;
             let under = slope - (1.0 - plateau.powf(power + 1.0)) / (power + 1.0);
             return 2.0 * (plateau + under / (1.0 - plateau.powf(power)));
         }
         ProfileShape::Sigmoid { steepness } => {
+            let steepness = *steepness;
             return 2.0 * steepness.cosh().ln() / (steepness * steepness.tanh());
         }
     };
@@ -116,23 +129,28 @@ fn ripple(profile: &Profile, fraction: f64, integral: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const SHAPES: [ProfileShape; 9] = [
-        ProfileShape::Linear,
-        ProfileShape::Smooth,
-        ProfileShape::Sphere,
-        ProfileShape::Tip,
-        ProfileShape::Gauss,
-        ProfileShape::Power { power: 0.1 },
-        ProfileShape::Power { power: 1.0 },
-        ProfileShape::Power { power: 16.0 },
-        ProfileShape::Sigmoid { steepness: 3.0 },
-    ];
+    fn shapes() -> Vec<ProfileShape> {
+        vec![
+            ProfileShape::Linear,
+            ProfileShape::Smooth,
+            ProfileShape::Sphere,
+            ProfileShape::Tip,
+            ProfileShape::Gauss,
+            ProfileShape::Power { power: 0.1 },
+            ProfileShape::Power { power: 1.0 },
+            ProfileShape::Power { power: 16.0 },
+            ProfileShape::Sigmoid { steepness: 3.0 },
+            ProfileShape::Curve(
+                orogeny_field::Curve::new("a test", vec![[0.0, 0.0], [0.5, 0.8], [1.0, 1.0]]).unwrap(),
+            ),
+        ]
+    }
 
     #[test]
     fn the_closed_integrals_agree_with_a_sum() {
-        for shape in SHAPES {
+        for shape in shapes() {
             for falloff_ratio in [0.0, 0.01, 0.3, 1.0] {
-                let profile = Profile { shape, falloff_ratio };
+                let profile = Profile { shape: shape.clone(), falloff_ratio };
                 let steps = 2_000_000;
                 let sum: f64 = (0..steps)
                     .map(|k| profile_weight(&profile, (f64::from(k) + 0.5) / f64::from(steps)))
@@ -148,10 +166,10 @@ mod tests {
     /// Section 3: within 1 % for linear, smooth, gauss and power 1 with F >= R/2, within 2 % for the others where R/32 allows.
     #[test]
     fn a_straight_pass_changes_its_centre_line_by_the_strength_at_every_phase() {
-        for shape in SHAPES {
+        for shape in shapes() {
             for falloff_ratio in [0.0, 0.1, 0.5, 0.77, 1.0] {
                 for fraction in [1.0, 0.3, 0.25, 0.1, MIN_SPACING] {
-                    let profile = Profile { shape, falloff_ratio };
+                    let profile = Profile { shape: shape.clone(), falloff_ratio };
                     let spacing = Spacing::new(&profile, 100.0, fraction);
                     let step = spacing.distance / 100.0;
                     let mut worst: f64 = 0.0;

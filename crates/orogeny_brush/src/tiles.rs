@@ -5,8 +5,9 @@ use orogeny_field::{PageLayout, SampleRect};
 
 use crate::plan::{Batch, PageWork, reaches};
 
-/// Samples a side of a tile: a workgroup of 16 x 16 takes four samples an invocation.
-pub const TILE_SIDE: u32 = 32;
+/// Samples a side of a tile: a workgroup of 16 x 16 takes four samples an invocation. Tiles are the blocks that share a place
+/// on the lattices of a noise.
+pub const TILE_SIDE: u32 = orogeny_field::noise::LATTICE_BLOCK;
 
 /// One workgroup's work. The layout is that of `Tile` in `shaders/driver/local.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -22,10 +23,35 @@ pub struct Tile {
     pub heights_layer: u32,
     /// The layer of its weights and its heights from before, in a wash.
     pub scratch_layer: u32,
+    /// The layer of its gate, where there is one.
+    pub gate_layer: u32,
     /// Its instances are `indices[first_index .. end_index]`.
     pub first_index: u32,
     /// One past the last.
     pub end_index: u32,
+    /// Of a noise: its places on the lattices begin here.
+    pub first_lattice: u32,
+}
+
+impl Tile {
+    /// The first sample of the lattice block that it lies in: tiles are those blocks, cut at what is to change.
+    #[must_use]
+    pub fn lattice_block_origin(&self) -> [i32; 2] {
+        let ([origin_x, origin_z], [first_x, first_z]) = (self.page_origin, self.first);
+        let down = |first: u32| (first / TILE_SIDE * TILE_SIDE).cast_signed();
+        [origin_x + down(first_x), origin_z + down(first_z)]
+    }
+}
+
+/// Where a page lies in the atlases.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PageLayers {
+    /// Of its heights.
+    pub heights: u32,
+    /// Of its weights and its heights from before.
+    pub scratch: u32,
+    /// Of its gate.
+    pub gate: u32,
 }
 
 /// The tiles of some pages of a batch, and their instance lists one after another.
@@ -39,14 +65,7 @@ pub struct TileList {
 
 impl TileList {
     /// Adds the tiles of one page that any of its instances reaches.
-    pub fn add_page(
-        &mut self,
-        batch: &Batch,
-        work: &PageWork,
-        layout: PageLayout,
-        heights_layer: u32,
-        scratch_layer: u32,
-    ) {
+    pub fn add_page(&mut self, batch: &Batch, work: &PageWork, layout: PageLayout, layers: PageLayers) {
         let page = layout.page_rect(&work.key);
         let side = TILE_SIDE.cast_signed();
         let first_tile = |edge: i32, origin: i32| origin + (edge - origin) / side * side;
@@ -70,10 +89,12 @@ impl TileList {
                     page_origin: [page.x0, page.z0],
                     first: local(rect.x0, rect.z0),
                     end: local(rect.x1, rect.z1),
-                    heights_layer,
-                    scratch_layer,
+                    heights_layer: layers.heights,
+                    scratch_layer: layers.scratch,
+                    gate_layer: layers.gate,
                     first_index,
                     end_index,
+                    first_lattice: 0,
                 });
             }
         }
@@ -83,22 +104,14 @@ impl TileList {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Pass, Stage};
-    use orogeny_field::{Falloff, FieldId, Instance, LedgeDirection, LevelOnly, WeightMode};
+    use crate::kernels::Rule;
+    use crate::plan::Pass;
+    use orogeny_field::{FieldId, Footprint, Instance};
     use proptest::prelude::*;
     use std::collections::BTreeSet;
 
     fn pass() -> Pass {
-        Pass {
-            stage: Stage::Raise,
-            weight_mode: WeightMode::Direct,
-            falloff: Falloff::HARD_EDGE,
-            field: FieldId(0),
-            target_height_m: 0.0,
-            ledge_direction: LedgeDirection::Raise,
-            level_only: LevelOnly::Both,
-            seed: 0,
-        }
+        Pass::new(Rule::Raise, Footprint::EVERYWHERE, FieldId(0))
     }
 
     proptest! {
@@ -117,9 +130,7 @@ mod tests {
                     cell: [x.floor() as i32, z.floor() as i32],
                     fraction: [(x - x.floor()) as f32, (z - z.floor()) as f32],
                     inverse_radius: (1.0 / radius) as f32,
-                    amplitude: 1.0,
-                    reference_height_m: 0.0,
-                    inverse_radius_m: 1.0,
+                    ..Instance::EVERYWHERE
                 });
                 let rect = SampleRect::new(
                     (x - radius).ceil() as i32,
@@ -132,7 +143,7 @@ mod tests {
             let batch = Batch::new(pass(), layout, instances, bounds);
             let mut list = TileList::default();
             for work in &batch.pages {
-                list.add_page(&batch, work, layout, 7, 9);
+                list.add_page(&batch, work, layout, PageLayers { heights: 7, scratch: 9, gate: 3 });
             }
             let mut covered = BTreeSet::new();
             for tile in &list.tiles {

@@ -2,14 +2,15 @@
 
 use std::time::Instant;
 
-use orogeny_brush::{Batch, Executor, Notices, StrokePlanner, plan_fill};
-use orogeny_field::{BrushType, FieldId, PageLayout, Stroke, TerrainGrid};
-use orogeny_store::{EntryId, Recording};
+use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, StrokePlanner, plan_fill, resolved};
+use orogeny_field::{BrushType, PageLayout, Stroke, TerrainGrid};
+use orogeny_store::{EntryId, Layer, Recording};
 
 use crate::pages::RecordedPages;
 use crate::progress::report;
+use crate::resources;
 use crate::terrain::find_layer;
-use crate::{Error, Observer, Operation, Result, Terrain};
+use crate::{Error, Observer, Operation, Result, Target, Terrain};
 
 /// Instances of a stroke that are planned and run at once.
 const BATCH_INSTANCES: usize = 1024;
@@ -169,17 +170,20 @@ fn apply_one(
 ) -> Result<Applied> {
     let start = Instant::now();
     let layer = find_layer(recording.layers(), operation.layer())?.clone();
+    let (brush, resources) = resources::load(operation.brush(), recording)?;
+    let operation = &operation.clone().with_brush(resolved(&brush));
+    let canvas = canvas(operation, &layer, site, recording)?;
     let mut pages = RecordedPages::new(recording, site.layout);
     let result = match operation {
         Operation::Stroke { stroke, .. } => {
-            run_stroke(stroke, site, layer.heights, executor, &mut pages, observer)
+            run_stroke(stroke, canvas, resources, executor, &mut pages, observer)
         }
         Operation::Fill { brush, seed, region_m, .. } => {
             let region = match region_m {
                 Some(region_m) => site.grid.samples_in_region(*region_m)?,
                 None => site.grid.bounds(),
             };
-            let batch = plan_fill(brush, *seed, &site.grid, site.layout, layer.heights, region)?;
+            let batch = plan_fill(brush, *seed, canvas, resources, region)?;
             let total = batch.pages.len() as u64;
             run_batch(batch, executor, &mut pages, |done| report(observer, "filling", done, total))
         }
@@ -198,16 +202,39 @@ fn apply_one(
     })
 }
 
+/// What an operation paints on. Makes the mask or the selection that it needs.
+fn canvas(
+    operation: &Operation,
+    layer: &Layer,
+    site: &Site<'_>,
+    recording: &mut Recording<'_>,
+) -> Result<Canvas> {
+    let heights = Canvas::heights(site.grid, site.layout, layer.heights);
+    let needs_selection = operation.brush().gate.as_ref().is_some_and(|gate| gate.selection);
+    let selection = if needs_selection || operation.target() == Target::Selection {
+        Some(recording.selection()?)
+    } else {
+        None
+    };
+    let selection = selection.unwrap_or(heights.selection);
+    let field = match operation.target() {
+        Target::Heights => layer.heights,
+        Target::Mask => recording.with_mask(layer)?.mask.unwrap_or(layer.heights),
+        Target::Selection => selection,
+    };
+    Ok(Canvas { field, is_mask: operation.target() != Target::Heights, selection, ..heights })
+}
+
 fn run_stroke(
     stroke: &Stroke,
-    site: &Site<'_>,
-    field: FieldId,
+    canvas: Canvas,
+    resources: Resources,
     executor: &mut dyn Executor,
     pages: &mut RecordedPages<'_, '_>,
     observer: &mut dyn Observer,
 ) -> Result<()> {
-    stroke.check(&site.grid)?;
-    let mut planner = StrokePlanner::new(stroke.brush.clone(), stroke.seed, site.grid, site.layout, field)?;
+    stroke.check(&canvas.grid)?;
+    let mut planner = StrokePlanner::new(&stroke.brush, stroke.seed, canvas, resources)?;
     for point in &stroke.points {
         planner.push(point)?;
     }

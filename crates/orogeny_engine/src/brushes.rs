@@ -1,7 +1,7 @@
 //! What brushes there are, for people and as JSON Schema.
 
 use orogeny_brush::Spacing;
-use orogeny_field::{BrushType, Coverage, Parameter, ParameterKind, Profile, ProfileShape};
+use orogeny_field::{BrushType, Coverage, MAX_CURVE_POINTS, Parameter, ParameterKind, Profile, ProfileShape};
 use serde_json::{Map, Value, json};
 
 /// A brush type with its parameters.
@@ -39,11 +39,11 @@ impl ProfileRipple {
             ("gauss", ProfileShape::Gauss),
             ("sigmoid", ProfileShape::Sigmoid { steepness: 3.0 }),
         ];
-        let of = |(profile, shape)| {
+        let of = |(profile, shape): (&'static str, ProfileShape)| {
             [1.0, 0.1].map(|falloff_ratio| {
                 // Large enough that the half sample under which no spacing goes plays no part.
                 let radius = 1000.0;
-                let spacing = Spacing::new(&Profile { shape, falloff_ratio }, radius, 0.25);
+                let spacing = Spacing::new(&Profile { shape: shape.clone(), falloff_ratio }, radius, 0.25);
                 Self { profile, falloff_ratio, spacing: spacing.distance / radius, ripple: spacing.ripple }
             })
         };
@@ -69,6 +69,8 @@ pub fn brush_schema(brush_type: BrushType) -> Value {
     }
     let required = match brush_type {
         BrushType::SetHeight => json!(["type", "height"]),
+        BrushType::Stamp => json!(["type", "alpha"]),
+        BrushType::Custom => json!(["type", "file"]),
         _ => json!(["type"]),
     };
     json!({
@@ -88,10 +90,9 @@ pub fn brush_schema(brush_type: BrushType) -> Value {
 
 fn parameter_schema(parameter: &Parameter) -> Value {
     let unit = if parameter.unit.is_empty() { String::new() } else { format!(" ({})", parameter.unit) };
-    let description = format!("{}{unit}", parameter.meaning);
-    match parameter.kind {
+    let mut schema = match parameter.kind {
         ParameterKind::Number { min, max, default } => {
-            let mut schema = json!({ "description": description, "type": "number", "maximum": max });
+            let mut schema = json!({ "type": "number", "maximum": max });
             if let Some(object) = schema.as_object_mut() {
                 // The smallest positive number stands for "above 0".
                 let (name, value) =
@@ -103,10 +104,50 @@ fn parameter_schema(parameter: &Parameter) -> Value {
             }
             schema
         }
-        ParameterKind::Choice { words } => {
-            json!({ "description": description, "enum": words, "default": words.first() })
+        ParameterKind::Integer { min, max, default } => {
+            json!({ "type": "integer", "minimum": min, "maximum": max, "default": default })
         }
+        ParameterKind::Flag { default } => json!({ "type": "boolean", "default": default }),
+        ParameterKind::Choice { words } => json!({ "enum": words, "default": words.first() }),
+        ParameterKind::Numbers { min, max, default } => json!({
+            "type": "array",
+            "items": { "type": "number", "minimum": min, "maximum": max },
+            "minItems": default.len(),
+            "maxItems": default.len(),
+            "default": default,
+        }),
+        ParameterKind::Curve { y: (low, high), .. } => json!({
+            "type": "array",
+            "minItems": 2,
+            "maxItems": MAX_CURVE_POINTS,
+            "items": {
+                "type": "array",
+                "prefixItems": [{ "type": "number" }, { "type": "number", "minimum": low, "maximum": high }],
+                "minItems": 2,
+                "maxItems": 2,
+            },
+        }),
+        ParameterKind::Text => json!({ "type": "string" }),
+        ParameterKind::Object { parameters } => {
+            let properties: Map<String, Value> = parameters
+                .iter()
+                .map(|parameter| (parameter.name.to_owned(), parameter_schema(parameter)))
+                .collect();
+            json!({ "type": "object", "properties": properties, "additionalProperties": false })
+        }
+        ParameterKind::Values => json!({ "type": "object", "additionalProperties": { "type": "number" } }),
+        ParameterKind::Normalization => json!({
+            "anyOf": [
+                { "type": "boolean" },
+                { "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 },
+            ],
+            "default": true,
+        }),
+    };
+    if let Some(object) = schema.as_object_mut() {
+        object.insert("description".to_owned(), format!("{}{unit}", parameter.meaning).into());
     }
+    schema
 }
 
 #[cfg(test)]

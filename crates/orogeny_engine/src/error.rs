@@ -21,6 +21,17 @@ pub enum Error {
     /// A file of another program could not be read or written.
     #[error(transparent)]
     Format(#[from] orogeny_formats::Error),
+    /// A custom brush does not compile. Mend what is named at its line.
+    #[error(transparent)]
+    Shader(#[from] orogeny_shaders::Error),
+    /// A file that is longer than what it is for takes.
+    #[error("`{}` is longer than {limit} bytes, the most that is read for a brush", path.display())]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// The limit.
+        limit: u64,
+    },
     /// The GPU could not be used.
     #[error(transparent)]
     Gpu(#[from] orogeny_gpu::Error),

@@ -27,6 +27,7 @@ mod apply;
 mod backend;
 mod brushes;
 mod composite;
+mod custom;
 mod description;
 mod error;
 mod export;
@@ -42,18 +43,20 @@ pub mod presets;
 mod progress;
 mod relief;
 mod replay;
+mod resources;
 mod terrain;
 mod whole_file;
 
 pub use apply::Applied;
 pub use backend::{Adapter, Settings, backend_description};
 pub use brushes::{BrushDescription, ProfileRipple, brush_descriptions, brush_schema};
+pub use custom::{CustomBrushFile, CustomParameter};
 pub use description::{Description, HeightStatistics, LayerDescription, MemoryUse};
 pub use error::{Error, Result};
 pub use export::{ExportRequest, ExportSummary};
 pub use import::{ImportRequest, ImportSummary};
 pub use map::{MapRequest, MapSummary};
-pub use operation::{LayerReference, Operation, Recipe};
+pub use operation::{LayerReference, Operation, Recipe, Target};
 pub use orogeny_field::{BrushType, PageKey, Parameter, ParameterKind, SampleRect, TerrainGrid};
 pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,

@@ -1,9 +1,12 @@
 //! Operations: what changes a terrain, as JSON and as values.
 
+use std::path::Path;
+
 use orogeny_field::{Brush, PointerSample, Stroke};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::resources;
 use crate::{Error, Presets, Result};
 
 /// A layer, by its id or its name.
@@ -16,6 +19,25 @@ pub enum LayerReference {
     Name(String),
 }
 
+/// Which field of a layer, or of the terrain, is changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// The layer's heights.
+    Heights,
+    /// The layer's mask, 0..1; one that was never painted is 1 everywhere.
+    Mask,
+    /// The terrain's selection, 0..1, which gates look at; at first nothing is selected.
+    Selection,
+}
+
+impl Target {
+    /// Where a brush goes that does not say: brushes for masks to the mask, all others to the heights.
+    const fn of(brush: &Brush) -> Self {
+        if brush.brush_type.is_for_masks() { Self::Mask } else { Self::Heights }
+    }
+}
+
 /// Something that changes a terrain.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Operation {
@@ -23,6 +45,8 @@ pub enum Operation {
     Stroke {
         /// Where; `None`: the lowest layer.
         layer: Option<LayerReference>,
+        /// Which field.
+        target: Target,
         /// What.
         stroke: Stroke,
     },
@@ -30,6 +54,8 @@ pub enum Operation {
     Fill {
         /// Where; `None`: the lowest layer.
         layer: Option<LayerReference>,
+        /// Which field.
+        target: Target,
         /// What.
         brush: Brush,
         /// Feeds everything random in it.
@@ -45,6 +71,8 @@ struct StrokeFields {
     op: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     layer: Option<LayerReference>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    target: Option<Target>,
     #[serde(default)]
     seed: u32,
     brush: Map<String, Value>,
@@ -57,6 +85,8 @@ struct FillFields {
     op: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     layer: Option<LayerReference>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    target: Option<Target>,
     #[serde(default)]
     seed: u32,
     brush: Map<String, Value>,
@@ -94,13 +124,21 @@ impl Operation {
             "stroke" => {
                 let fields: StrokeFields = serde_json::from_value(value).map_err(understood)?;
                 let brush = presets.brush(&fields.brush)?;
+                let target = target(fields.target, &brush)?;
                 let stroke = Stroke { brush, seed: fields.seed, points: fields.points };
-                Ok(Self::Stroke { layer: fields.layer, stroke })
+                Ok(Self::Stroke { layer: fields.layer, target, stroke })
             }
             "fill" => {
                 let fields: FillFields = serde_json::from_value(value).map_err(understood)?;
                 let brush = presets.brush(&fields.brush)?;
-                Ok(Self::Fill { layer: fields.layer, brush, seed: fields.seed, region_m: fields.region })
+                let target = target(fields.target, &brush)?;
+                Ok(Self::Fill {
+                    layer: fields.layer,
+                    target,
+                    brush,
+                    seed: fields.seed,
+                    region_m: fields.region,
+                })
             }
             _ => Err(Error::Operation {
                 place: "the operation".to_owned(),
@@ -115,11 +153,13 @@ impl Operation {
     /// [`Error::Operation`] should a number in it have no JSON form.
     pub fn to_recorded_json(&self, layer_id: u32) -> Result<String> {
         let layer = Some(LayerReference::Id(layer_id));
+        let target = Some(self.target());
         let op = self.name().to_owned();
         let text = match self {
             Self::Stroke { stroke, .. } => serde_json::to_string(&StrokeFields {
                 op,
                 layer,
+                target,
                 seed: stroke.seed,
                 brush: stroke.brush.to_json(),
                 points: stroke.points.clone(),
@@ -127,6 +167,7 @@ impl Operation {
             Self::Fill { brush, seed, region_m, .. } => serde_json::to_string(&FillFields {
                 op,
                 layer,
+                target,
                 seed: *seed,
                 brush: brush.to_json(),
                 region: *region_m,
@@ -149,6 +190,28 @@ impl Operation {
     pub const fn brush(&self) -> &Brush {
         match self {
             Self::Stroke { stroke, .. } => &stroke.brush,
+            Self::Fill { brush, .. } => brush,
+        }
+    }
+
+    /// Which field it changes.
+    #[must_use]
+    pub const fn target(&self) -> Target {
+        match self {
+            Self::Stroke { target, .. } | Self::Fill { target, .. } => *target,
+        }
+    }
+
+    /// The same with another brush.
+    #[must_use]
+    pub(crate) fn with_brush(mut self, new: Brush) -> Self {
+        *self.brush_mut() = new;
+        self
+    }
+
+    pub(crate) const fn brush_mut(&mut self) -> &mut Brush {
+        match self {
+            Self::Stroke { stroke, .. } => &mut stroke.brush,
             Self::Fill { brush, .. } => brush,
         }
     }
@@ -194,6 +257,24 @@ impl Recipe {
         let operations = fields.operations.into_iter().enumerate().map(read).collect::<Result<_>>()?;
         Ok(Self { operations })
     }
+
+    /// Takes relative names of files that its brushes use as relative to a folder: that of the recipe.
+    pub fn resolve_files(&mut self, folder: &Path) {
+        for operation in &mut self.operations {
+            resources::resolve_files(operation.brush_mut(), folder);
+        }
+    }
+}
+
+/// Where an operation goes.
+fn target(given: Option<Target>, brush: &Brush) -> Result<Target> {
+    let target = given.unwrap_or_else(|| Target::of(brush));
+    if target == Target::Heights && brush.brush_type.is_for_masks() {
+        let detail =
+            format!("`target` is `heights`, and `{}` is for masks and selections", brush.brush_type.name());
+        return Err(Error::Operation { place: "the operation".to_owned(), detail });
+    }
+    Ok(target)
 }
 
 fn not_understood(place: &str, err: &serde_json::Error) -> Error {

@@ -7,6 +7,9 @@ use orogeny_field::{FieldId, Page, PageKey, PageLayout};
 use orogeny_pages::{BoxError, PageStore};
 use orogeny_store::Recording;
 
+/// A mask counts everywhere until something is painted on it.
+const UNPAINTED_MASK: f32 = 1.0;
+
 /// Pages of a recording, with a note of those that were changed.
 pub(crate) struct RecordedPages<'a, 'recorder> {
     recording: &'a mut Recording<'recorder>,
@@ -17,7 +20,10 @@ pub(crate) struct RecordedPages<'a, 'recorder> {
 
 impl<'a, 'recorder> RecordedPages<'a, 'recorder> {
     pub(crate) fn new(recording: &'a mut Recording<'recorder>, layout: PageLayout) -> Self {
-        let constants = recording.layers().iter().map(|layer| (layer.heights, layer.constant_m)).collect();
+        let heights = recording.layers().iter().map(|layer| (layer.heights, layer.constant_m));
+        let masks = recording.layers().iter().filter_map(|layer| Some((layer.mask?, UNPAINTED_MASK)));
+        // What is in neither is the selection: nothing.
+        let constants = heights.chain(masks).collect();
         Self { recording, layout, constants, saved: BTreeSet::new() }
     }
 

@@ -9,6 +9,7 @@ use orogeny_store::{BlobHash, Entry, EntryState, NewLayer, NewTerrain, Store};
 use crate::access::Access;
 use crate::import::{ImportRequest, RecordedImport};
 use crate::progress::report;
+use crate::resources;
 use crate::{Error, LayerReference, Observer, Operation, Result, Settings, Terrain};
 
 /// What a replay did.
@@ -91,7 +92,10 @@ impl Terrain {
             let id = layer.as_u64().and_then(|id| layer_ids.get(&u32::try_from(id).ok()?));
             *layer = (*id.ok_or_else(|| cannot(format!("its layer {layer} does not exist")))?).into();
         }
-        let operation = Operation::from_json(value).map_err(|err| cannot(err.to_string()))?;
+        let mut operation = Operation::from_json(value).map_err(|err| cannot(err.to_string()))?;
+        let folder = tempfile::tempdir().map_err(|err| cannot(err.to_string()))?;
+        resources::unpack(operation.brush_mut(), source, folder.path())
+            .map_err(|err| cannot(err.to_string()))?;
         self.submit(&[operation], observer).map(|_| ())
     }
 

@@ -127,11 +127,41 @@ pub enum Error {
     BrushValue {
         /// The brush's type.
         brush: &'static str,
-        /// Which field.
-        field: &'static str,
+        /// Which field; one within an object with that object's name before it, as in `distortion.octaves`.
+        field: String,
         /// Its value, as it was written.
         value: String,
         /// What is allowed.
         limit: String,
+    },
+    /// Control points that make no curve.
+    #[error("{what} is no curve: {reason}")]
+    Curve {
+        /// Which one.
+        what: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A noise whose features are too small for the terrain's samples to show.
+    #[error(
+        "a `feature_size` of {feature_size_m} m cannot be seen on samples {spacing_m} m apart: give {limit_m} m or more"
+    )]
+    FeatureSize {
+        /// Metres of the first octave's cell.
+        feature_size_m: f64,
+        /// Metres between samples.
+        spacing_m: f64,
+        /// Two samples.
+        limit_m: f64,
+    },
+    /// A picture that is none.
+    #[error("a bitmap of {width} x {height} pixels cannot be used: {reason}")]
+    Bitmap {
+        /// Pixels along x.
+        width: u32,
+        /// Pixels from top to bottom.
+        height: u32,
+        /// What is wrong with it.
+        reason: String,
     },
 }

@@ -19,24 +19,32 @@
 //! # Ok::<(), orogeny_field::Error>(())
 //! ```
 
+mod bitmap;
 mod brush;
+mod curve;
 mod error;
 mod grid;
+pub mod hash;
 mod height;
 mod instance;
 mod level;
+pub mod noise;
 mod page;
 mod rect;
 mod stroke;
 
+pub use bitmap::{Bitmap, MAX_BITMAP_SIDE};
 pub use brush::{
-    Blending, Brush, BrushType, Coverage, Falloff, FalloffFormula, LedgeDirection, LevelOnly, PARAMETERS,
-    Parameter, ParameterKind, PressureTarget, Profile, ProfileShape,
+    Alpha, AlphaRotation, AspectGate, Band, Blending, Brush, BrushType, Coverage, Custom, DataSource,
+    Dynamics, Falloff, FalloffFormula, Gate, HeightRange, Jitter, LedgeDirection, LevelOnly, NoiseGate,
+    PARAMETERS, Parameter, ParameterKind, PressureTarget, Profile, ProfileShape, RampAlong, RangeFormula,
+    RangeMap, RangeMapping, Stamp, StampMode, Symmetry, SymmetryKind, Terrace, TerraceSteps,
 };
+pub use curve::{CURVE_TABLE_LENGTH, Curve, CurveTable, MAX_CURVE_POINTS};
 pub use error::{Error, Result};
 pub use grid::{MAX_SIDE_SAMPLES, MAX_SPACING_M, MIN_SPACING_M, TerrainGrid};
 pub use height::{MAX_HEIGHT_M, check_height, is_storable_height, sanitized_height};
-pub use instance::{Instance, WeightMode};
+pub use instance::{Footprint, Instance, WeightMode};
 pub use level::{HeightBounds, rect_above, rect_below};
 pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
 pub use rect::SampleRect;

@@ -1,5 +1,6 @@
 //! Compute pipelines, made once for each stem and set of constants.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -26,8 +27,9 @@ pub struct Kernels {
     built: HashMap<Variant, Arc<Kernel>>,
 }
 
-/// A stem and its constants, in the order in which they were given.
-type Variant = (&'static str, Vec<(&'static str, u32)>);
+/// A stem, or what tells a kernel that does not come with the program from others, and its constants, in the order in which they
+/// were given.
+type Variant = (Cow<'static, str>, Vec<(&'static str, u32)>);
 
 impl Kernels {
     /// None built yet.
@@ -41,17 +43,40 @@ impl Kernels {
     /// # Errors
     /// [`Error::NoKernel`] for an unknown stem, [`Error::Validation`] when the driver refuses it.
     pub fn kernel(&mut self, stem: &'static str, constants: &[(&'static str, u32)]) -> Result<Arc<Kernel>> {
-        let variant = (stem, constants.to_vec());
+        let shader = shader(stem).ok_or_else(|| Error::NoKernel { stem: stem.to_owned() })?;
+        self.built_once(shader, Cow::Borrowed(stem), constants)
+    }
+
+    /// The kernel of a shader that does not come with the program; `identity` tells it from others.
+    ///
+    /// # Errors
+    /// [`Error::Validation`] when the driver refuses it.
+    pub fn kernel_of(
+        &mut self,
+        shader: &Shader,
+        identity: &str,
+        constants: &[(&'static str, u32)],
+    ) -> Result<Arc<Kernel>> {
+        self.built_once(shader, Cow::Owned(identity.to_owned()), constants)
+    }
+
+    fn built_once(
+        &mut self,
+        shader: &Shader,
+        name: Cow<'static, str>,
+        constants: &[(&'static str, u32)],
+    ) -> Result<Arc<Kernel>> {
+        let variant = (name, constants.to_vec());
         if let Some(kernel) = self.built.get(&variant) {
             return Ok(Arc::clone(kernel));
         }
-        let kernel = Arc::new(self.build(stem, constants)?);
+        let kernel = Arc::new(self.build(shader, constants)?);
         self.built.insert(variant, Arc::clone(&kernel));
         Ok(kernel)
     }
 
-    fn build(&self, stem: &str, constants: &[(&str, u32)]) -> Result<Kernel> {
-        let shader = shader(stem).ok_or_else(|| Error::NoKernel { stem: stem.to_owned() })?;
+    fn build(&self, shader: &Shader, constants: &[(&str, u32)]) -> Result<Kernel> {
+        let stem = &shader.stem;
         let device = self.gpu.device();
         let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let label = format!("orogeny.{stem}");

@@ -2,6 +2,7 @@
 
 use orogeny_field::{Falloff, FalloffFormula};
 
+use crate::curve::look_up;
 use crate::transcendental::{exp_minus_one, natural_log};
 
 /// One falloff formula. A type, so that a row's loop is compiled for each and vectorises.
@@ -77,6 +78,8 @@ formulas! {
         let m = exp_minus_one(-2.0 * falloff.exponent * (1.0 - r));
         (-m / (2.0 + m) * falloff.scale).clamp(0.0, 1.0)
     };
+    /// A user's curve of `t`.
+    Curve = |r, falloff| falloff.table.as_ref().map_or(0.0, |table| look_up(table, slope(r, falloff)).0);
 }
 
 /// The weight 0..1 at `r` = distance / outer radius, `r >= 0`.
@@ -91,6 +94,7 @@ pub fn weight(r: f32, falloff: &Falloff) -> f32 {
         FalloffFormula::Gauss => Gauss::bounded_weight(r, falloff),
         FalloffFormula::Power => Power::bounded_weight(r, falloff),
         FalloffFormula::Sigmoid => Sigmoid::bounded_weight(r, falloff),
+        FalloffFormula::Curve => Curve::bounded_weight(r, falloff),
     }
 }
 
@@ -116,7 +120,7 @@ mod tests {
     fn every_profile_is_one_at_the_centre_zero_at_the_edge_and_never_rises() {
         for shape in shapes() {
             for falloff_ratio in [0.0, 1.0e-4, 0.01, 0.5, 1.0] {
-                let falloff = Falloff::from(Profile { shape, falloff_ratio });
+                let falloff = Falloff::from(Profile { shape: shape.clone(), falloff_ratio });
                 assert!((weight(0.0, &falloff) - 1.0).abs() < 3.0e-7, "{shape:?} {falloff_ratio}");
                 for outside in [1.0, 1.000_000_1, 3.0, 1.0e30] {
                     assert_eq!(weight(outside, &falloff), 0.0, "{shape:?} {falloff_ratio}");

@@ -8,24 +8,27 @@
 //! for each sample, and the brush's own `row` applies it.
 //!
 //! ```
-//! use orogeny_field::{Falloff, Instance, Profile, ProfileShape, WeightMode};
+//! use orogeny_field::{Falloff, Footprint, Instance, Profile, ProfileShape};
 //! use orogeny_reference::{amounts, brush};
 //!
 //! let dab = Instance {
-//!     cell: [4, 0], fraction: [0.0, 0.0], inverse_radius: 1.0 / 4.0, amplitude: 8.0,
-//!     reference_height_m: 0.0, inverse_radius_m: 0.25,
+//!     cell: [4, 0], inverse_radius: 1.0 / 4.0, amplitude: 8.0, inverse_radius_m: 0.25, ..Instance::EVERYWHERE
 //! };
 //! let falloff = Falloff::from(Profile { shape: ProfileShape::Linear, falloff_ratio: 1.0 });
+//! let footprint = Footprint { falloff, ..Footprint::EVERYWHERE };
 //! let (mut heights, mut amounts_row) = ([100.0; 9], [0.0; 9]);
-//! amounts::row(&mut amounts_row, 0, 0, &dab, &falloff, WeightMode::Direct);
+//! amounts::row(&mut amounts_row, 0, 0, &dab, &footprint);
 //! brush::raise::row(&mut heights, &amounts_row);
 //! assert_eq!(heights, [100.0, 102.0, 104.0, 106.0, 108.0, 106.0, 104.0, 102.0, 100.0]);
 //! ```
 
 pub mod amounts;
 pub mod brush;
+pub mod curve;
 pub mod falloff;
 pub mod field;
+pub mod gate;
 pub mod hash;
+pub mod noise;
 pub mod store;
 pub mod transcendental;

@@ -25,3 +25,10 @@ pub fn update_row(
 pub fn lerp(a: f32, b: f32, w: f32) -> f32 {
     a + w * (b - a)
 }
+
+/// Keeps a row of a mask within 0..1, whatever a brush for heights made of it.
+pub fn clamp_mask(mask: &mut [f32]) {
+    for value in mask {
+        *value = value.clamp(0.0, 1.0);
+    }
+}

@@ -49,6 +49,14 @@ impl Transaction<'_> {
         self.fail_with(result)
     }
 
+    /// Writes data from outside, with that kept here, to `to`.
+    ///
+    /// # Errors
+    /// As [`Store::read_blob`].
+    pub fn read_blob(&self, hash: &BlobHash, to: &mut dyn Write) -> Result<()> {
+        self.store().read_blob(hash, to)
+    }
+
     fn write_blob(&self, data: &mut dyn Read) -> Result<BlobHash> {
         let db = self.database();
         let unreadable = |err: std::io::Error| Error::Blob { hash: String::new(), detail: err.to_string() };

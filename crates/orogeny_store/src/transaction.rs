@@ -145,6 +145,32 @@ impl<'store> Transaction<'store> {
         self.fail_with(result)
     }
 
+    /// The field of the terrain's selection, made where there was none: nothing is selected then.
+    ///
+    /// # Errors
+    /// As [`Self::add_field`].
+    pub fn selection(&mut self) -> Result<orogeny_field::FieldId> {
+        let known = self.stack.fields.iter().find(|(_, field)| field.kind == FieldKind::Selection);
+        match known {
+            Some((id, _)) => Ok(*id),
+            None => self.add_field(Field { kind: FieldKind::Selection, constant: 0.0 }),
+        }
+    }
+
+    /// The layer with a mask, made where it had none: it counts everywhere then.
+    ///
+    /// # Errors
+    /// As [`Self::add_field`] and [`Self::set_layer`].
+    pub fn with_mask(&mut self, layer: &Layer) -> Result<Layer> {
+        if layer.mask.is_some() {
+            return Ok(layer.clone());
+        }
+        let mask = self.add_field(Field { kind: FieldKind::Mask, constant: 1.0 })?;
+        let masked = Layer { mask: Some(mask), ..layer.clone() };
+        self.set_layer(&masked)?;
+        Ok(masked)
+    }
+
     /// Changes a layer: its name, place, mask, visibility, opacity or blend mode. Its heights stay the same field.
     ///
     /// # Errors
@@ -272,6 +298,10 @@ impl<'store> Transaction<'store> {
     #[must_use]
     pub fn layout(&self) -> PageLayout {
         self.document.layout
+    }
+
+    pub(crate) const fn store(&self) -> &Store {
+        self.store
     }
 
     pub(crate) fn refuse_after_failure(&self) -> Result<()> {

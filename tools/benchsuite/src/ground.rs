@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
-use orogeny_brush::{CpuExecutor, Executor as _, StrokePlanner};
+use orogeny_brush::{Canvas, CpuExecutor, Executor as _, Resources, StrokePlanner};
 use orogeny_field::{Brush, BrushType, FieldId, Page, PageKey, PageLayout, PointerSample, TerrainGrid};
 use orogeny_formats::{ImportOptions, NodataPolicy};
 use orogeny_pages::{MemoryPages, PageStore as _};
@@ -90,7 +90,12 @@ impl Ground {
         for (brush, number) in brushes.iter().zip(0..) {
             pages.commit();
             let seed = seed * 64 + number;
-            let mut planner = StrokePlanner::new(brush.clone(), seed, self.grid, layout, FIELD)?;
+            let mut planner = StrokePlanner::new(
+                brush,
+                seed,
+                Canvas::heights(self.grid, layout, FIELD),
+                Resources::default(),
+            )?;
             for point in way(&self.grid, seed) {
                 planner.push(&point)?;
             }

@@ -10,6 +10,7 @@ mod codecs;
 mod ground;
 mod limit;
 mod measure;
+mod noise;
 mod raise;
 mod report;
 mod stores;
@@ -20,7 +21,7 @@ use anyhow::{Context as _, bail};
 use crate::report::Report;
 
 /// What can be measured.
-const WHAT: [&str; 4] = ["raise", "codecs", "stores", "terrain"];
+const WHAT: [&str; 5] = ["raise", "noise", "codecs", "stores", "terrain"];
 
 struct Arguments {
     what: Vec<String>,
@@ -34,6 +35,7 @@ fn main() -> anyhow::Result<()> {
     for what in &arguments.what {
         match what.as_str() {
             "raise" => raise::run(&mut report, arguments.repeat)?,
+            "noise" => noise::run(&mut report, arguments.repeat)?,
             "codecs" => codecs::run(&mut report, arguments.repeat)?,
             "stores" => stores::run(&mut report, arguments.repeat)?,
             "terrain" => terrain::run(&mut report, arguments.repeat)?,

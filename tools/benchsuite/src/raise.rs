@@ -1,7 +1,7 @@
 //! `raise`: one instance after another on resident pages, against the copy bandwidth of the same threads.
 
 use anyhow::Result;
-use orogeny_brush::{Batch, CpuExecutor, Executor, GpuBudget, GpuExecutor, StrokePlanner};
+use orogeny_brush::{Batch, Canvas, CpuExecutor, Executor, GpuBudget, GpuExecutor, Resources, StrokePlanner};
 use orogeny_field::{Brush, BrushType, FieldId, PageLayout, PointerSample, ProfileShape, TerrainGrid};
 use orogeny_gpu::{AdapterChoice, Gpu};
 use orogeny_pages::MemoryPages;
@@ -117,7 +117,7 @@ fn cases() -> Result<Vec<Case>> {
     let mut cases = Vec::new();
     for (shape, profile) in SHAPES {
         for radius in RADII {
-            let brush = Brush { shape: profile, ..Brush::new(BrushType::Raise, radius, 1.0) };
+            let brush = Brush { shape: profile.clone(), ..Brush::new(BrushType::Raise, radius, 1.0) };
             // Off the sample and page grid, and far enough apart that a cache does not help.
             let batches = (0..5)
                 .map(|place| {
@@ -134,7 +134,8 @@ fn cases() -> Result<Vec<Case>> {
 
 fn dab(brush: Brush, place_m: [f64; 2]) -> Result<Batch> {
     let grid = TerrainGrid::new(TERRAIN.0, TERRAIN.1, 1.0)?;
-    let mut planner = StrokePlanner::new(brush, 0, grid, PageLayout::default(), FieldId(0))?;
+    let canvas = Canvas::heights(grid, PageLayout::default(), FieldId(0));
+    let mut planner = StrokePlanner::new(&brush, 0, canvas, Resources::default())?;
     let [x, z] = place_m;
     planner.push(&PointerSample::at(x, z))?;
     planner.finish();

@@ -46,7 +46,10 @@ struct Report {
 /// # Errors
 /// When the recipe cannot be understood, or an operation fails; none was done then.
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
-    let recipe = Recipe::from_json_text(&read(&arguments.recipe)?, &session.presets())?;
+    let mut recipe = Recipe::from_json_text(&read(&arguments.recipe)?, &session.presets())?;
+    if let Some(folder) = arguments.recipe.parent() {
+        recipe.resolve_files(folder);
+    }
     let mut terrain = session.open(&arguments.terrain)?;
     let backend = terrain.backend_description()?;
     let start = Instant::now();

@@ -50,10 +50,9 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for BrushDescription { brush_type, parameters } in &self.descriptions {
             writeln!(f, "{}: {}", brush_type.name(), brush_type.summary())?;
-            writeln!(f, "    {:<10} {:<9} meaning (what it takes)", "parameter", "default")?;
+            writeln!(f, "    {:<14} {:<9} meaning (what it takes)", "parameter", "default")?;
             for parameter in parameters {
-                let (values, default) = values_and_default(parameter);
-                writeln!(f, "    {:<10} {default:<9} {} ({values})", parameter.name, parameter.meaning)?;
+                write_parameter(f, parameter, 0)?;
             }
             writeln!(f)?;
         }
@@ -69,20 +68,64 @@ impl fmt::Display for Report {
     }
 }
 
+/// Writes a parameter and, further to the right, those of the object that it takes.
+fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &Parameter, depth: usize) -> fmt::Result {
+    let (values, default) = values_and_default(parameter);
+    let indent = " ".repeat(4 + 2 * depth);
+    let width = 14_usize.saturating_sub(2 * depth);
+    writeln!(f, "{indent}{:<width$} {default:<9} {} ({values})", parameter.name, parameter.meaning)?;
+    if let ParameterKind::Object { parameters } = parameter.kind {
+        // A gate's noise has the parameters of the brush `noise`.
+        if parameter.name == "pattern" {
+            return Ok(());
+        }
+        for parameter in parameters {
+            write_parameter(f, parameter, depth + 1)?;
+        }
+    }
+    Ok(())
+}
+
 /// What a parameter takes, and what it is where it is not given.
 fn values_and_default(parameter: &Parameter) -> (String, String) {
     let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
+    let none = || "-".to_owned();
     match parameter.kind {
         ParameterKind::Number { min, max, default } => {
             // The smallest positive number stands for "above 0".
             let lowest = if min == f64::MIN_POSITIVE { "above 0".to_owned() } else { number(min) };
-            let default =
-                default.map_or_else(|| "-".to_owned(), |default| format!("{}{unit}", number(default)));
+            let default = default.map_or_else(none, |default| format!("{}{unit}", number(default)));
             (format!("{lowest} to {}{unit}", number(max)), default)
+        }
+        ParameterKind::Integer { min, max, default } => {
+            (format!("{min} to {max}, whole"), default.to_string())
         }
         ParameterKind::Choice { words } => {
             (words.join(", "), words.first().copied().unwrap_or_default().to_owned())
         }
+        ParameterKind::Flag { default } => ("true, false".to_owned(), default.to_string()),
+        ParameterKind::Numbers { min, max, default } => {
+            let numbers: Vec<_> = default.iter().map(|value| number(*value)).collect();
+            let range = format!("{} numbers, each {} to {}{unit}", default.len(), number(min), number(max));
+            (range, numbers.join(", "))
+        }
+        ParameterKind::Curve { x: (left, right), y: (low, high) } => {
+            (format!("points [[x, y], …], x from {left} to {right}, y within {low} to {high}"), none())
+        }
+        ParameterKind::Text => ("a name".to_owned(), none()),
+        ParameterKind::Object { parameters } => {
+            let names: Vec<_> = parameters.iter().map(|parameter| parameter.name).collect();
+            let names = if parameter.name == "pattern" {
+                "as the brush `noise`".to_owned()
+            } else {
+                names.join(", ")
+            };
+            (format!("an object: {names}"), none())
+        }
+        ParameterKind::Values => {
+            ("an object of numbers, by the names that the file declares".to_owned(), none())
+        }
+        ParameterKind::Normalization => ("true, false, [offset, scale]".to_owned(), "true".to_owned()),
     }
 }
 

@@ -4,6 +4,7 @@ pub mod apply;
 pub mod brushes;
 pub mod check;
 pub mod compact;
+pub mod custom;
 pub mod demo;
 pub mod doctor;
 pub mod export;
@@ -44,6 +45,7 @@ pub fn run(command: Command, session: &Session) -> anyhow::Result<()> {
         Command::Export(arguments) => export::run(arguments, session),
         Command::Render(arguments) => render::run(arguments, session),
         Command::Brushes(arguments) => brushes::run(&arguments, session),
+        Command::Custom(arguments) => custom::run(&arguments, session),
         Command::Presets(arguments) => presets::run(&arguments, session),
         Command::Doctor(arguments) => doctor::run(&arguments, session),
         Command::Demo(arguments) => demo::run(&arguments, session),

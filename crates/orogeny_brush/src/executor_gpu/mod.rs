@@ -7,15 +7,18 @@
 mod resident;
 mod uniforms;
 
-use orogeny_field::{Page, PageKey, PageLayout, WeightMode};
+use std::sync::Arc;
+
+use orogeny_field::{Bitmap, Page, PageKey, PageLayout, WeightMode};
 use orogeny_gpu::{Gpu, Kernels, ReadBack, ReadbackBelt};
 use orogeny_pages::{AtlasLimits, PageStore, Slot};
 
 use crate::execute::{Executor, Notices, PageMemory};
-use crate::plan::{Batch, PageWork};
-use crate::tiles::TileList;
+use crate::kernels::{OwnData, Rule, noise};
+use crate::plan::{Batch, PageWork, Pass};
+use crate::tiles::{PageLayers, TileList};
 use crate::{Error, Result};
-use resident::{Heights, Resident, Scratch};
+use resident::{Gates, Heights, Resident, Scratch, bitmap_view};
 
 pub use uniforms::BrushUniform;
 
@@ -23,7 +26,9 @@ pub use uniforms::BrushUniform;
 const STEP_BYTES: u64 = 16 << 20;
 /// Instances of tiles after which a step is cut: at 1,024 samples each it then takes a weak GPU no longer than a driver waits.
 const STEP_INDICES: usize = 256 << 10;
-/// Pages a wash needs at once: its heights, its heights from before and its weights.
+/// Operations of a kernel that [`STEP_INDICES`] is meant for.
+const USUAL_OPERATIONS: u64 = 50;
+/// Pages a gated wash needs at once: its heights, its heights from before, its weights and its gate.
 const SMALLEST_BUDGET_PAGES: u64 = 4;
 
 /// How much texture memory a GPU executor may use.
@@ -43,10 +48,47 @@ pub struct GpuExecutor {
     kernels: Kernels,
     heights: Heights,
     scratch: Scratch,
+    gates: Gates,
+    /// The alpha bitmap that was last used, and one of a single pixel where there is none.
+    alpha: Option<(Arc<Bitmap>, wgpu::TextureView)>,
+    no_alpha: wgpu::TextureView,
     belt: ReadbackBelt<ReadbackTag>,
     counters: wgpu::Buffer,
     /// The last step that was submitted.
     last_step: Option<wgpu::SubmissionIndex>,
+}
+
+/// What all tiles of a batch share.
+#[derive(Debug)]
+struct Shared {
+    uniform: wgpu::Buffer,
+    curves: wgpu::Buffer,
+    instances: wgpu::Buffer,
+    own_buffers: Vec<wgpu::Buffer>,
+    constants: Vec<(&'static str, u32)>,
+}
+
+/// The texture arrays that a dispatch works on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Arrays {
+    heights: u32,
+    scratch: u32,
+    gates: u32,
+}
+
+/// Instances of tiles after which a step is cut, by what a pass costs: a user's kernel may take many times as long as others.
+fn max_indices(pass: &Pass) -> usize {
+    match &pass.rule {
+        Rule::Custom(rule) => {
+            let times = rule.num_operations() / USUAL_OPERATIONS;
+            STEP_INDICES / usize::try_from(times.max(1)).unwrap_or(usize::MAX)
+        }
+        _ => STEP_INDICES,
+    }
+}
+
+fn constants(pass: &Pass, own: &OwnData) -> Vec<(&'static str, u32)> {
+    uniforms::constants(pass).into_iter().chain(own.constants.iter().copied()).collect()
 }
 
 /// What a page on its way back is.
@@ -68,13 +110,16 @@ impl GpuExecutor {
             let needed = SMALLEST_BUDGET_PAGES;
             return Err(orogeny_pages::Error::Budget { budget_in_bytes, num_pages, needed }.into());
         }
-        // Half for heights, a quarter each for the heights from before and the weights of a wash.
+        // A quarter each for the heights from before and the weights of a wash, an eighth for gates, the rest for heights.
         let limits = |num_pages: u64| AtlasLimits {
             budget_in_bytes: num_pages * layout.size_in_bytes(),
             layers_per_array: budget.layers_per_array,
         };
-        let heights = Heights::new(&gpu, layout, limits(num_pages - 2 * (num_pages / 4)))?;
+        let num_gates = (num_pages / 8).max(1);
+        let heights = Heights::new(&gpu, layout, limits(num_pages - 2 * (num_pages / 4) - num_gates))?;
         let scratch = Scratch::new(&gpu, layout, limits(num_pages / 4))?;
+        let gates = Gates::new(&gpu, layout, limits(num_gates))?;
+        let no_alpha = bitmap_view(&gpu, &Bitmap::new(1, 1, vec![1.0])?)?;
         let counters = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("orogeny.brush.counters"),
             size: uniforms::COUNTERS_SIZE_IN_BYTES,
@@ -86,6 +131,9 @@ impl GpuExecutor {
             kernels: Kernels::new(gpu.clone()),
             heights,
             scratch,
+            gates,
+            alpha: None,
+            no_alpha,
             belt: ReadbackBelt::new(gpu.clone(), layout.size()),
             counters,
             last_step: None,
@@ -102,7 +150,7 @@ impl GpuExecutor {
     /// Bytes of the textures made so far.
     #[must_use]
     pub fn texture_size_in_bytes(&self) -> u64 {
-        self.heights.size_in_bytes() + self.scratch.size_in_bytes()
+        self.heights.size_in_bytes() + self.scratch.size_in_bytes() + self.gates.size_in_bytes()
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {
@@ -131,10 +179,10 @@ impl GpuExecutor {
         &mut self,
         batch: &Batch,
         works: &[PageWork],
-        instances: &wgpu::Buffer,
+        shared: &Shared,
         store: &mut dyn PageStore,
     ) -> Result<usize> {
-        let is_wash = batch.pass.weight_mode == WeightMode::Wash;
+        let is_wash = batch.pass.weight_mode() == WeightMode::Wash;
         self.await_pages(works, store)?;
         let mut encoder = self.encoder();
         let mut resident =
@@ -142,30 +190,38 @@ impl GpuExecutor {
         if is_wash && matches!(resident, Resident::All) {
             resident = self.scratch.make_resident(&self.gpu, &mut encoder, &mut self.belt, works, store)?;
         }
+        if let (Some(gate), Resident::All) = (&batch.pass.gate, &resident) {
+            resident = self.gates.make_resident(&self.gpu, &mut encoder, works, gate, store)?;
+        }
         if let Resident::TextureMemoryShort(err) = resident {
             self.submit(encoder)?;
             return self.make_do(err);
         }
-        let mut lists = std::collections::BTreeMap::<(u32, u32), TileList>::new();
+        let mut lists = std::collections::BTreeMap::<Arrays, TileList>::new();
         let mut num_indices = 0;
         let mut num_taken = 0;
         for work in works {
-            if num_indices > STEP_INDICES {
+            if num_indices > max_indices(&batch.pass) {
                 break;
             }
             num_taken += 1;
             let Some(slot) = self.heights.slot(&work.key) else { continue };
             let nowhere = Slot { array: 0, layer: 0 };
             let scratch_slot = self.scratch.slot(&work.key).filter(|_| is_wash).unwrap_or(nowhere);
-            let list = lists.entry((slot.array, scratch_slot.array)).or_default();
+            let gate_slot =
+                batch.pass.gate.as_ref().and_then(|_| self.gates.slot(&work.key)).unwrap_or(nowhere);
+            let arrays = Arrays { heights: slot.array, scratch: scratch_slot.array, gates: gate_slot.array };
+            let list = lists.entry(arrays).or_default();
             let before = list.indices.len();
-            list.add_page(batch, work, self.layout, slot.layer, scratch_slot.layer);
+            let layers =
+                PageLayers { heights: slot.layer, scratch: scratch_slot.layer, gate: gate_slot.layer };
+            list.add_page(batch, work, self.layout, layers);
             num_indices += list.indices.len() - before;
             self.heights.mark_dirty(&work.key);
         }
-        for ((array, scratch_array), list) in lists {
+        for (arrays, list) in lists {
             if !list.tiles.is_empty() {
-                self.dispatch(&mut encoder, batch, instances, array, scratch_array, &list)?;
+                self.dispatch(&mut encoder, batch, shared, arrays, list)?;
             }
         }
         self.submit(encoder)?;
@@ -207,23 +263,67 @@ impl GpuExecutor {
         store.save(heights).map_err(|err| orogeny_pages::Error::Source(err).into())
     }
 
+    /// Uploads what all tiles of a batch share.
+    fn share(&mut self, batch: &Batch) -> Result<Shared> {
+        let storage = wgpu::BufferUsages::STORAGE;
+        let own = uniforms::own_data(batch);
+        if let Some(bitmap) = batch.pass.bitmap()
+            && !self.alpha.as_ref().is_some_and(|(known, _)| Arc::ptr_eq(known, bitmap))
+        {
+            self.alpha = Some((Arc::clone(bitmap), bitmap_view(&self.gpu, bitmap)?));
+        }
+        let uniform = BrushUniform::from(&batch.pass);
+        let usage = wgpu::BufferUsages::UNIFORM;
+        let own_buffers = (own.uniforms.iter().map(|bytes| (usage, bytes)))
+            .chain(own.storage.iter().map(|bytes| (storage, bytes)))
+            .map(|(usage, bytes)| Ok(self.gpu.create_buffer_with("orogeny.brush.own", usage, bytes)?))
+            .collect::<Result<_>>()?;
+        Ok(Shared {
+            uniform: self.gpu.create_buffer_with(
+                "orogeny.brush.uniform",
+                usage,
+                bytemuck::bytes_of(&uniform),
+            )?,
+            curves: self.gpu.create_buffer_with(
+                "orogeny.brush.curves",
+                storage,
+                bytemuck::cast_slice(&uniforms::curves(&batch.pass)),
+            )?,
+            instances: self.gpu.create_buffer_with(
+                "orogeny.brush.instances",
+                storage,
+                bytemuck::cast_slice(&batch.instances),
+            )?,
+            own_buffers,
+            constants: constants(&batch.pass, &own),
+        })
+    }
+
     fn dispatch(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         batch: &Batch,
-        instances: &wgpu::Buffer,
-        array: u32,
-        scratch_array: u32,
-        list: &TileList,
+        shared: &Shared,
+        arrays: Arrays,
+        mut list: TileList,
     ) -> Result<()> {
-        let kernel = self.kernels.kernel(batch.pass.stage.stem(), &uniforms::constants(&batch.pass))?;
+        let stem = batch.pass.rule.stage().stem();
+        let kernel = match &batch.pass.rule {
+            Rule::Custom(rule) => {
+                let program = &rule.program;
+                self.kernels.kernel_of(&program.brush.shader, &program.identity, &shared.constants)?
+            }
+            _ => self.kernels.kernel(stem, &shared.constants)?,
+        };
         let storage = wgpu::BufferUsages::STORAGE;
-        let uniform = BrushUniform::from(&batch.pass);
-        let uniform = self.gpu.create_buffer_with(
-            "orogeny.brush.uniform",
-            wgpu::BufferUsages::UNIFORM,
-            bytemuck::bytes_of(&uniform),
-        )?;
+        let lattice = match &batch.pass.rule {
+            Rule::Noise(kernel) => {
+                let lattice = noise::lattice(kernel, &mut list.tiles);
+                let bytes = bytemuck::cast_slice(&lattice);
+                Some(self.gpu.create_buffer_with("orogeny.brush.lattice", storage, bytes)?)
+            }
+            _ => None,
+        };
         let tiles =
             self.gpu.create_buffer_with("orogeny.brush.tiles", storage, bytemuck::cast_slice(&list.tiles))?;
         let indices = self.gpu.create_buffer_with(
@@ -232,11 +332,17 @@ impl GpuExecutor {
             bytemuck::cast_slice(&list.indices),
         )?;
         // A page that has a slot has its texture.
-        let Some(heights) = self.heights.view(array) else { return Ok(()) };
-        let (before, weights) = self.scratch.views(scratch_array);
-        let resources = [
-            uniform.as_entire_binding(),
-            instances.as_entire_binding(),
+        let Some(heights) = self.heights.view(arrays.heights) else { return Ok(()) };
+        let (before, weights) = self.scratch.views(arrays.scratch);
+        let alpha = match &self.alpha {
+            Some((_, view)) if batch.pass.bitmap().is_some() => view,
+            _ => &self.no_alpha,
+        };
+        let mut resources = vec![
+            shared.uniform.as_entire_binding(),
+            wgpu::BindingResource::TextureView(alpha),
+            shared.curves.as_entire_binding(),
+            shared.instances.as_entire_binding(),
             // The kernel asks for the length, so the binding ends with the last tile.
             wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: &tiles,
@@ -248,20 +354,21 @@ impl GpuExecutor {
             wgpu::BindingResource::TextureView(heights),
             wgpu::BindingResource::TextureView(before),
             wgpu::BindingResource::TextureView(weights),
+            wgpu::BindingResource::TextureView(self.gates.view(arrays.gates)),
         ];
+        let own = shared.own_buffers.iter().chain(&lattice);
+        resources.extend(own.map(wgpu::Buffer::as_entire_binding));
         let entries: Vec<_> = (0..)
             .zip(resources)
             .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
             .collect();
         let bind_group = self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(batch.pass.stage.stem()),
+            label: Some(stem),
             layout: &kernel.bind_group_layout,
             entries: &entries,
         });
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(batch.pass.stage.stem()),
-            timestamp_writes: None,
-        });
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(stem), timestamp_writes: None });
         pass.set_pipeline(&kernel.pipeline);
         pass.set_bind_group(1, &bind_group, &[]);
         let num_tiles = list.tiles.len() as u32;
@@ -270,9 +377,11 @@ impl GpuExecutor {
         Ok(())
     }
 
-    fn num_slots(&self, mode: WeightMode) -> usize {
-        let scratch = if mode == WeightMode::Wash { self.scratch.num_slots() } else { usize::MAX };
-        self.heights.num_slots().min(scratch)
+    fn num_slots(&self, pass: &Pass) -> usize {
+        let scratch =
+            if pass.weight_mode() == WeightMode::Wash { self.scratch.num_slots() } else { usize::MAX };
+        let gates = if pass.gate.is_some() { self.gates.num_slots() } else { usize::MAX };
+        self.heights.num_slots().min(scratch).min(gates)
     }
 
     /// Out of texture memory, the budget shrinks to what there is, and the step is to be tried again from its start: 0 of
@@ -281,7 +390,9 @@ impl GpuExecutor {
     /// # Errors
     /// `err` where that leaves no room at all.
     fn make_do(&mut self, err: orogeny_pages::Error) -> Result<usize> {
-        let has_shrunk = self.heights.shrink_to_existing() | self.scratch.shrink_to_existing();
+        let has_shrunk = self.heights.shrink_to_existing()
+            | self.scratch.shrink_to_existing()
+            | self.gates.shrink_to_existing();
         if has_shrunk && self.heights.num_slots() > 0 { Ok(0) } else { Err(err.into()) }
     }
 
@@ -316,17 +427,13 @@ impl Executor for GpuExecutor {
         if batch.pages.is_empty() {
             return Ok(());
         }
-        let instances = self.gpu.create_buffer_with(
-            "orogeny.brush.instances",
-            wgpu::BufferUsages::STORAGE,
-            bytemuck::cast_slice(&batch.instances),
-        )?;
+        let shared = self.share(batch)?;
         let mut rest = batch.pages.as_slice();
         while !rest.is_empty() {
             // Asked anew for each step: texture memory may turn out to be short. With no room at all a step fails.
-            let num_pages = self.step_pages().min(self.num_slots(batch.pass.weight_mode)).max(1);
+            let num_pages = self.step_pages().min(self.num_slots(&batch.pass)).max(1);
             let step = rest.get(..num_pages).unwrap_or(rest);
-            let num_taken = self.step(batch, step, &instances, store)?;
+            let num_taken = self.step(batch, step, &shared, store)?;
             rest = rest.get(num_taken..).unwrap_or_default();
         }
         Ok(())
@@ -345,6 +452,7 @@ impl Executor for GpuExecutor {
             self.keep(arrived, store)?;
         }
         self.scratch.forget_all();
+        self.gates.forget_all();
         let num_clamped_heights = self.take_num_clamped()?;
         self.gpu.check()?;
         Ok(Notices { num_clamped_heights })
@@ -353,6 +461,7 @@ impl Executor for GpuExecutor {
     fn cancel(&mut self) {
         self.belt.forget_all();
         self.scratch.forget_all();
+        self.gates.forget_all();
         self.heights.forget_all();
         // Not waited for: the device may be gone, which the next operation sees.
         let mut encoder = self.encoder();

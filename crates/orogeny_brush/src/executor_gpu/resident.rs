@@ -1,10 +1,11 @@
-//! Pages on the GPU: the heights, and what a wash keeps beside them.
+//! Pages on the GPU: the heights, what a wash keeps beside them, and what gates let through.
 
-use orogeny_field::{Page, PageKey, PageLayout};
+use orogeny_field::{Bitmap, Page, PageKey, PageLayout};
 use orogeny_gpu::{Gpu, ReadbackBelt};
 use orogeny_pages::{Admitted, Atlas, AtlasLimits, BoxError, PageStore, Residency, Slot};
 
 use super::ReadbackTag;
+use crate::gate::GatePlan;
 use crate::plan::PageWork;
 use crate::spill::Spill;
 use crate::{Error, Result};
@@ -203,6 +204,98 @@ impl Scratch {
     pub(super) fn size_in_bytes(&self) -> u64 {
         self.before.size_in_bytes() + self.weights.size_in_bytes()
     }
+}
+
+/// What gates let through on pages: worked out anew where it had to make room.
+#[derive(Debug)]
+pub(super) struct Gates {
+    layout: PageLayout,
+    atlas: Atlas,
+    residency: Residency<Slot>,
+    /// One texel, bound where there is no gate.
+    unused: wgpu::TextureView,
+}
+
+impl Gates {
+    pub(super) fn new(gpu: &Gpu, layout: PageLayout, limits: AtlasLimits) -> Result<Self> {
+        let atlas = Atlas::new(gpu, "gates", layout, limits, 1)?;
+        let residency = Residency::new(atlas.slots());
+        Ok(Self { layout, atlas, residency, unused: unused_view(gpu)? })
+    }
+
+    pub(super) fn make_resident(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        works: &[PageWork],
+        gate: &GatePlan,
+        store: &mut dyn PageStore,
+    ) -> Result<Resident> {
+        let mut uploads = Uploads::new(self.layout);
+        let mut admitted = Vec::new();
+        for key in absent(&mut self.residency, works) {
+            let Some(Admitted { slot, .. }) = self.residency.admit(key) else { continue };
+            admitted.push(key);
+            if let Err(err) = self.atlas.prepare(gpu, slot) {
+                admitted.iter().for_each(|key| self.residency.forget(key));
+                return Ok(Resident::TextureMemoryShort(err));
+            }
+            let input = gate.load(&key, store)?;
+            uploads.add_or_constant(Ok(Some(gate.page(&key, self.layout, &input))), 1.0, slot)?;
+        }
+        uploads.record(gpu, encoder, &self.atlas)?;
+        Ok(Resident::All)
+    }
+
+    /// Gives up the slots whose texture was never made; whether there were any.
+    pub(super) fn shrink_to_existing(&mut self) -> bool {
+        let num_slots = self.atlas.num_slots();
+        self.atlas.shrink_to_existing();
+        self.residency.retain_free(|slot| self.atlas.has(slot));
+        self.atlas.num_slots() < num_slots
+    }
+
+    pub(super) fn slot(&self, key: &PageKey) -> Option<Slot> {
+        self.residency.slot(key)
+    }
+
+    /// The stroke is over.
+    pub(super) fn forget_all(&mut self) {
+        self.residency.forget_all();
+    }
+
+    /// The gates of an array; a texture of one texel where it was never needed.
+    pub(super) fn view(&self, array: u32) -> &wgpu::TextureView {
+        self.atlas.view(array).unwrap_or(&self.unused)
+    }
+
+    pub(super) fn num_slots(&self) -> usize {
+        self.atlas.num_slots() as usize
+    }
+
+    pub(super) fn size_in_bytes(&self) -> u64 {
+        self.atlas.size_in_bytes()
+    }
+}
+
+/// A bitmap as a texture.
+pub(super) fn bitmap_view(gpu: &Gpu, bitmap: &Bitmap) -> Result<wgpu::TextureView> {
+    let (width, height) = (bitmap.width(), bitmap.height());
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = gpu.create_texture(&wgpu::TextureDescriptor {
+        label: Some("orogeny.brush.alpha"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    })?;
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 4), rows_per_image: None };
+    gpu.queue().write_texture(texture.as_image_copy(), bytemuck::cast_slice(bitmap.values()), layout, size);
+    Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
 }
 
 /// Uses the resident pages of a step, so that none of them makes room for another, and gives those that are not.

@@ -1,13 +1,16 @@
-//! What a pass is to the kernels: the mirrors of `shaders/driver/local.wgsl`.
+//! What a pass is to the kernels: the mirrors of `shaders/driver/`, the constants, and what each kernel has of its own.
 
-use orogeny_field::{LedgeDirection, LevelOnly};
+use orogeny_field::{CURVE_TABLE_LENGTH, CurveTable};
 
-use crate::plan::Pass;
+use crate::kernels::{
+    OwnData, Rule, custom, ledge, level, mask, noise, ramp, range_map, roughen, stamp, terrace,
+};
+use crate::plan::{Batch, Pass};
 
 /// Size of `Counters`.
 pub(super) const COUNTERS_SIZE_IN_BYTES: u64 = 4;
 
-/// What is the same for all instances of a pass. The layout is that of `Brush` in `shaders/driver/local.wgsl`.
+/// What is the same for all instances of a pass. The layout is that of `Brush` in `shaders/driver/footprint.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct BrushUniform {
@@ -17,38 +20,66 @@ pub struct BrushUniform {
     pub falloff_exponent: f32,
     /// See [`orogeny_field::Falloff`].
     pub falloff_scale: f32,
-    /// Goal of `level`, metres.
-    pub target_height_m: f32,
-    /// 1 where a ledge raises, -1 where it lowers.
-    pub ledge_direction: f32,
-    /// 0 both ways, 1 cut, 2 fill.
-    pub level_only: u32,
-    /// Feeds `roughen`.
-    pub seed: u32,
 }
 
 impl From<&Pass> for BrushUniform {
     fn from(pass: &Pass) -> Self {
+        let falloff = &pass.footprint.falloff;
         Self {
-            inverse_falloff_ratio: pass.falloff.inverse_falloff_ratio,
-            falloff_exponent: pass.falloff.exponent,
-            falloff_scale: pass.falloff.scale,
-            target_height_m: pass.target_height_m,
-            ledge_direction: match pass.ledge_direction {
-                LedgeDirection::Raise => 1.0,
-                LedgeDirection::Lower => -1.0,
-            },
-            level_only: match pass.level_only {
-                LevelOnly::Both => 0,
-                LevelOnly::Cut => 1,
-                LevelOnly::Fill => 2,
-            },
-            seed: pass.seed,
+            inverse_falloff_ratio: falloff.inverse_falloff_ratio,
+            falloff_exponent: falloff.exponent,
+            falloff_scale: falloff.scale,
         }
     }
 }
 
-/// The constants that a pass's kernel is built with.
-pub(super) fn constants(pass: &Pass) -> [(&'static str, u32); 2] {
-    [("FALLOFF_FORMULA", pass.falloff.formula as u32), ("WEIGHT_MODE", pass.weight_mode as u32)]
+/// What a batch's kernel has of its own.
+pub(super) fn own_data(batch: &Batch) -> OwnData {
+    match &batch.pass.rule {
+        Rule::Raise => OwnData::default(),
+        Rule::Ledge(direction) => ledge::data(*direction),
+        Rule::Level { target_height_m, only } => level::data(*target_height_m, *only),
+        Rule::Ramp { along, only } => ramp::data(*along, *only),
+        Rule::Roughen { seed } => roughen::data(*seed),
+        Rule::Noise(kernel) => noise::data(kernel, &batch.frames),
+        Rule::Terrace(steps) => terrace::data(steps),
+        Rule::RangeMap(range) => range_map::data(range),
+        Rule::Stamp { scale_m, mode, .. } => stamp::data(*scale_m, *mode),
+        Rule::Mask { value } => mask::data(*value),
+        Rule::Custom(rule) => custom::data(rule),
+    }
+}
+
+/// The constants that a pass's kernel is built with, beside its own.
+pub(super) fn constants(pass: &Pass) -> [(&'static str, u32); 6] {
+    [
+        ("FALLOFF_FORMULA", pass.footprint.falloff.formula as u32),
+        ("WEIGHT_MODE", pass.weight_mode() as u32),
+        ("IS_SEGMENT", u32::from(pass.footprint.is_segment)),
+        ("HAS_ALPHA", u32::from(pass.footprint.alpha.is_some())),
+        ("IS_GATED", u32::from(pass.gate.is_some())),
+        ("IS_MASK", u32::from(pass.is_mask)),
+    ]
+}
+
+/// The tables that a pass reads, in the order of `shaders/driver/footprint.wgsl`: falloff, transfer, result. Those that it does
+/// not have are zeros, as far as others come after them.
+pub(super) fn curves(pass: &Pass) -> Vec<f32> {
+    let (transfer, result) = match &pass.rule {
+        Rule::Noise(kernel) => (kernel.transfer.as_ref(), kernel.curve.as_ref()),
+        Rule::RangeMap(range) => (None, range.table.as_deref()),
+        _ => (None, None),
+    };
+    let tables: [Option<&CurveTable>; 3] = [pass.footprint.falloff.table.as_deref(), transfer, result];
+    let mut values = Vec::new();
+    for (place, table) in tables.into_iter().enumerate() {
+        if let Some(table) = table {
+            values.resize(place * CURVE_TABLE_LENGTH, 0.0);
+            values.extend(table.values);
+        }
+    }
+    if values.is_empty() {
+        values.push(0.0);
+    }
+    values
 }

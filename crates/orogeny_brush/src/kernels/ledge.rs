@@ -1,28 +1,32 @@
 //! Ledge: a step about the height under each instance.
 
-use orogeny_field::{Brush, Instance, LedgeDirection};
-use orogeny_reference::brush::ledge;
+use orogeny_field::{Brush, LedgeDirection};
 
-use crate::kernels::RowStart;
-use crate::plan::Pass;
+use super::OwnData;
 
 /// The shader's stem.
 pub const STEM: &str = "brush/ledge";
 
+/// The layout is that of `Ledge` in `shaders/brush/ledge.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct LedgeUniform {
+    /// 1 raises, -1 lowers.
+    pub direction: f32,
+}
+
 /// -1 where the high side goes down.
 pub(crate) fn sign(brush: &Brush) -> f64 {
-    match brush.direction {
+    f64::from(way(brush.direction))
+}
+
+const fn way(direction: LedgeDirection) -> f32 {
+    match direction {
         LedgeDirection::Raise => 1.0,
         LedgeDirection::Lower => -1.0,
     }
 }
 
-pub(crate) fn apply_row(
-    pass: &Pass,
-    instance: &Instance,
-    _start: RowStart,
-    heights: &mut [f32],
-    amounts: &[f32],
-) -> u32 {
-    ledge::row(heights, amounts, instance, pass.ledge_direction)
+pub(crate) fn data(direction: LedgeDirection) -> OwnData {
+    OwnData::uniform(&LedgeUniform { direction: way(direction) })
 }

@@ -1,20 +1,18 @@
 //! Roughen: white noise by the sample's place and the stroke's seed.
 
-use orogeny_field::Instance;
-use orogeny_reference::brush::roughen;
-
-use crate::kernels::RowStart;
-use crate::plan::Pass;
+use super::OwnData;
 
 /// The shader's stem.
 pub const STEM: &str = "brush/roughen";
 
-pub(crate) fn apply_row(
-    pass: &Pass,
-    _instance: &Instance,
-    start: RowStart,
-    heights: &mut [f32],
-    amounts: &[f32],
-) -> u32 {
-    roughen::row(heights, amounts, start.x, start.z, pass.seed)
+/// The layout is that of `Roughen` in `shaders/brush/roughen.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct RoughenUniform {
+    /// Of the white noise.
+    pub seed: u32,
+}
+
+pub(crate) fn data(seed: u32) -> OwnData {
+    OwnData::uniform(&RoughenUniform { seed })
 }

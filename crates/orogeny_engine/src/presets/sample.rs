@@ -4,6 +4,7 @@ use orogeny_field::{Brush, BrushType, MAX_HEIGHT_M, PointerSample, Stroke};
 use serde::{Deserialize, Serialize};
 
 use crate::Operation;
+use crate::Target;
 
 /// How the brush is applied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -86,9 +87,17 @@ impl Sample {
         let points = match self.kind {
             SampleKind::Stroke => curve(side_m),
             SampleKind::Dab => vec![PointerSample::at(0.5 * side_m, 0.5 * side_m)],
-            SampleKind::Fill => return Operation::Fill { layer: None, brush, seed: 1, region_m: None },
+            SampleKind::Fill => {
+                return Operation::Fill {
+                    layer: None,
+                    target: Target::Heights,
+                    brush,
+                    seed: 1,
+                    region_m: None,
+                };
+            }
         };
-        Operation::Stroke { layer: None, stroke: Stroke { brush, seed: 1, points } }
+        Operation::Stroke { layer: None, target: Target::Heights, stroke: Stroke { brush, seed: 1, points } }
     }
 }
 
@@ -109,7 +118,7 @@ pub(super) fn hills(side_m: f64) -> Vec<Operation> {
         let strength_m = (height * side_m).min(0.1 * f64::from(MAX_HEIGHT_M));
         let brush = Brush::new(BrushType::Raise, width * side_m, strength_m);
         let points = vec![PointerSample::at(x * side_m, z * side_m)];
-        Operation::Stroke { layer: None, stroke: Stroke { brush, seed: 1, points } }
+        Operation::Stroke { layer: None, target: Target::Heights, stroke: Stroke { brush, seed: 1, points } }
     };
     HILLS.into_iter().map(hill).collect()
 }

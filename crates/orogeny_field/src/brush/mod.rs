@@ -4,13 +4,23 @@
 //! `brushes` command and its JSON schema all read it.
 
 mod catalog;
+mod gate;
 mod parse;
 mod profile;
+mod settings;
 
 pub use catalog::{PARAMETERS, Parameter, ParameterKind};
+pub use gate::{AspectGate, Band, Gate, NoiseGate};
 pub use profile::{Falloff, FalloffFormula, Profile, ProfileShape};
+pub use settings::{
+    Alpha, AlphaRotation, Custom, DataSource, Dynamics, HeightRange, Jitter, LedgeDirection, LevelOnly,
+    RampAlong, RangeFormula, RangeMap, RangeMapping, Stamp, StampMode, Symmetry, SymmetryKind, Terrace,
+    TerraceSteps,
+};
 
-/// What a brush does to the heights under it (`kernels.md` would call it the rule).
+use crate::noise::Noise;
+
+/// What a brush does to the heights under it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BrushType {
@@ -24,14 +34,44 @@ pub enum BrushType {
     Level,
     /// Pulls towards a given height.
     SetHeight,
+    /// Pulls towards a slope from the stroke's first point to its last.
+    Ramp,
     /// Adds white noise.
     Roughen,
+    /// Adds a procedural noise.
+    Noise,
+    /// Pulls towards steps of equal height.
+    Terrace,
+    /// Spreads the heights of a range anew over it.
+    RangeMap,
+    /// Presses a bitmap into the ground.
+    Stamp,
+    /// Pulls a mask towards a value.
+    PaintMask,
+    /// Pulls a mask towards 0.
+    EraseMask,
+    /// Does what a file of its user's says.
+    Custom,
 }
 
 impl BrushType {
     /// All of them, in the order in which they are listed.
-    pub const ALL: [Self; 6] =
-        [Self::Raise, Self::Lower, Self::Ledge, Self::Level, Self::SetHeight, Self::Roughen];
+    pub const ALL: [Self; 14] = [
+        Self::Raise,
+        Self::Lower,
+        Self::Ledge,
+        Self::Level,
+        Self::SetHeight,
+        Self::Ramp,
+        Self::Roughen,
+        Self::Noise,
+        Self::Terrace,
+        Self::RangeMap,
+        Self::Stamp,
+        Self::PaintMask,
+        Self::EraseMask,
+        Self::Custom,
+    ];
 
     /// The name used in recipes.
     #[must_use]
@@ -42,7 +82,15 @@ impl BrushType {
             Self::Ledge => "ledge",
             Self::Level => "level",
             Self::SetHeight => "set_height",
+            Self::Ramp => "ramp",
             Self::Roughen => "roughen",
+            Self::Noise => "noise",
+            Self::Terrace => "terrace",
+            Self::RangeMap => "range_map",
+            Self::Stamp => "stamp",
+            Self::PaintMask => "paint_mask",
+            Self::EraseMask => "erase_mask",
+            Self::Custom => "custom",
         }
     }
 
@@ -55,7 +103,15 @@ impl BrushType {
             Self::Ledge => "raises the low side or lowers the high side of a slope, leaving a step",
             Self::Level => "flattens towards the height under the stroke's first point, or `height`",
             Self::SetHeight => "pulls the ground to `height`",
+            Self::Ramp => "builds a slope from the stroke's first point to its last",
             Self::Roughen => "adds white noise of up to ±`strength`",
+            Self::Noise => "adds mountains, hills, dunes: any noise of up to about ±`strength`",
+            Self::Terrace => "cuts the ground into steps of equal height",
+            Self::RangeMap => "spreads the heights between `low` and `high` anew: bias, gain or a curve",
+            Self::Stamp => "presses a height image into the ground",
+            Self::PaintMask => "paints a mask or a selection",
+            Self::EraseMask => "erases a mask or a selection",
+            Self::Custom => "does what a WGSL file of your own says; needs a GPU or the software adapter",
         }
     }
 
@@ -63,9 +119,23 @@ impl BrushType {
     #[must_use]
     pub const fn coverage(self) -> Coverage {
         match self {
-            Self::Raise | Self::Lower | Self::Ledge | Self::Roughen => Coverage::Additive,
-            Self::Level | Self::SetHeight => Coverage::Blending,
+            Self::Raise | Self::Lower | Self::Ledge | Self::Roughen | Self::Noise => Coverage::Additive,
+            Self::Level
+            | Self::SetHeight
+            | Self::Ramp
+            | Self::Terrace
+            | Self::RangeMap
+            | Self::Stamp
+            | Self::PaintMask
+            | Self::EraseMask
+            | Self::Custom => Coverage::Blending,
         }
+    }
+
+    /// Whether it is for masks and selections, whose values are 0..1, rather than for heights.
+    #[must_use]
+    pub const fn is_for_masks(self) -> bool {
+        matches!(self, Self::PaintMask | Self::EraseMask)
     }
 
     /// The type with this name.
@@ -92,6 +162,8 @@ pub enum Blending {
     BuildUp,
     /// One weight for the whole stroke, the largest of all instances; applied to the heights from before it.
     Wash,
+    /// Each instance acts on what those before it left, with its whole weight: of brushes whose users write them.
+    Each,
 }
 
 /// What the pen's pressure scales, linearly from nothing at 0 to all at 1.
@@ -106,6 +178,8 @@ pub enum PressureTarget {
     Strength,
     /// Radius and strength.
     Both,
+    /// The flow.
+    Flow,
 }
 
 impl PressureTarget {
@@ -120,28 +194,12 @@ impl PressureTarget {
     pub const fn scales_strength(self) -> bool {
         matches!(self, Self::Strength | Self::Both)
     }
-}
 
-/// Which side of a ledge is moved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LedgeDirection {
-    /// Ground below the reference comes up.
-    Raise,
-    /// Ground above the reference goes down.
-    Lower,
-}
-
-/// Which way `level` may move the ground.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LevelOnly {
-    /// Both ways.
-    Both,
-    /// Down only.
-    Cut,
-    /// Up only.
-    Fill,
+    /// Whether the flow follows the pressure.
+    #[must_use]
+    pub const fn scales_flow(self) -> bool {
+        matches!(self, Self::Flow)
+    }
 }
 
 /// A brush with all its parameters: read from JSON ([`Brush::from_json`]), or made by [`Brush::new`] and the fields and then
@@ -170,4 +228,34 @@ pub struct Brush {
     pub direction: LedgeDirection,
     /// Which way `level` may move the ground.
     pub only: LevelOnly,
+    /// How much of the strength each instance gives, 0..1; a wash with less than 1 comes nearer to it with every pass.
+    pub flow: f64,
+    /// Whether it goes on working while the pointer rests.
+    pub is_airbrush: bool,
+    /// What pressure and tilt do beyond [`Self::pressure`].
+    pub dynamics: Dynamics,
+    /// What differs at random from instance to instance.
+    pub jitter: Jitter,
+    /// A bitmap that shapes the weight.
+    pub alpha: Option<Alpha>,
+    /// Copies of the stroke.
+    pub symmetry: Option<Symmetry>,
+    /// Where it may act.
+    pub gate: Option<Box<Gate>>,
+    /// Of `noise`.
+    pub noise: Noise,
+    /// Of `terrace`.
+    pub terrace: Terrace,
+    /// Of `range_map`.
+    pub range_map: RangeMap,
+    /// Height at the end of a `ramp`, in metres; `None`: the ground there. Its beginning is [`Self::height_m`].
+    pub end_height_m: Option<f32>,
+    /// Of `ramp`.
+    pub along: RampAlong,
+    /// Of `stamp`.
+    pub stamp: Stamp,
+    /// What `paint_mask` paints, 0..1.
+    pub mask_value: f64,
+    /// Of `custom`.
+    pub custom: Option<Custom>,
 }

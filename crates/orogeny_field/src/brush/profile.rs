@@ -1,7 +1,11 @@
 //! The profile of a brush: its weight over the distance from the centre.
 
+use std::sync::Arc;
+
+use crate::{Curve, CurveTable};
+
 /// A shape with its own parameters (section 2 of the kernel specification).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum ProfileShape {
     /// `(1 - r^P) / (1 - r0^P)`, `P` in 0.1..16 (de Carpentier's equation 8-1, written so that it does not overflow).
     Power {
@@ -23,10 +27,12 @@ pub enum ProfileShape {
         /// The steepness `k`, above 0.
         steepness: f64,
     },
+    /// A user's curve of `t`, 0 at the edge to 1 inside the slope.
+    Curve(Curve),
 }
 
 /// A shape and how wide its slope is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// The shape.
     pub shape: ProfileShape,
@@ -65,10 +71,12 @@ pub enum FalloffFormula {
     Power = 6,
     /// [`ProfileShape::Sigmoid`].
     Sigmoid = 7,
+    /// [`ProfileShape::Curve`].
+    Curve = 8,
 }
 
 /// A profile as kernels take it: the formula, and what of it is the same at every sample, worked out in `f64`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Falloff {
     /// Which formula.
     pub formula: FalloffFormula,
@@ -78,12 +86,19 @@ pub struct Falloff {
     pub exponent: f32,
     /// `1 / (1 - r0^P)` of a power, `1 / tanh(k)` of a sigmoid; otherwise 1.
     pub scale: f32,
+    /// Of [`FalloffFormula::Curve`].
+    pub table: Option<Arc<CurveTable>>,
 }
 
 impl Falloff {
     /// Weight 1 everywhere inside, for fills.
-    pub const HARD_EDGE: Self =
-        Self { formula: FalloffFormula::HardEdge, inverse_falloff_ratio: 1.0, exponent: 0.0, scale: 1.0 };
+    pub const HARD_EDGE: Self = Self {
+        formula: FalloffFormula::HardEdge,
+        inverse_falloff_ratio: 1.0,
+        exponent: 0.0,
+        scale: 1.0,
+        table: None,
+    };
 }
 
 impl From<Profile> for Falloff {
@@ -96,8 +111,12 @@ impl From<Profile> for Falloff {
             inverse_falloff_ratio: (1.0 / profile.falloff_ratio) as f32,
             exponent: 0.0,
             scale: 1.0,
+            table: None,
         };
         match profile.shape {
+            ProfileShape::Curve(curve) => {
+                Self { table: Some(Arc::new(curve.table(0.0, 1.0))), ..plain(FalloffFormula::Curve) }
+            }
             ProfileShape::Linear => plain(FalloffFormula::Linear),
             ProfileShape::Power { power } if power.to_bits() == 1.0_f64.to_bits() => {
                 plain(FalloffFormula::Linear)

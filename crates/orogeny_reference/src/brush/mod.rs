@@ -5,5 +5,11 @@
 
 pub mod ledge;
 pub mod level;
+pub mod mask;
+pub mod noise;
 pub mod raise;
+pub mod ramp;
+pub mod range_map;
 pub mod roughen;
+pub mod stamp;
+pub mod terrace;

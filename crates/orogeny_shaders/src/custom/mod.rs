@@ -76,8 +76,8 @@ pub struct CustomParameter {
 
 /// A brush that a user wrote, checked and ready for a pipeline.
 ///
-/// The shader binds what `brush/raise` binds, and two uniforms more in group 1: binding 8, the parameters in the order
-/// of their declaration, an `f32` each (one unused `f32` if there are none), and binding 9, the struct `Custom` of
+/// The shader binds what `brush/raise` binds, and two uniforms more in group 1: binding 11, the parameters in the order
+/// of their declaration, an `f32` each (one unused `f32` if there are none), and binding 12, the struct `Custom` of
 /// `shaders/custom/brush.wgsl`. Its stem is the same for all custom brushes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CustomBrush {

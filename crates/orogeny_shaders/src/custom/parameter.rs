@@ -39,7 +39,7 @@ impl Declarations {
         }
         format!(
             "struct Parameters {{\n{members}}}\n\n\
-             @group(1) @binding(8) var<uniform> parameters: Parameters;\n"
+             @group(1) @binding(11) var<uniform> parameters: Parameters;\n"
         )
     }
 }

@@ -312,6 +312,27 @@ impl Recording<'_> {
         Ok(layer)
     }
 
+    /// The layer with a mask, as [`Transaction::with_mask`], and waits for it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn with_mask(&mut self, layer: &Layer) -> Result<Layer> {
+        let layer = layer.clone();
+        let masked = self.with_transaction(move |transaction| transaction.with_mask(&layer))?;
+        if let Some(known) = self.layers.iter_mut().find(|known| known.id == masked.id) {
+            known.clone_from(&masked);
+        }
+        Ok(masked)
+    }
+
+    /// The field of the terrain's selection, as [`Transaction::selection`], and waits for it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn selection(&mut self) -> Result<orogeny_field::FieldId> {
+        self.with_transaction(|transaction| transaction.selection())
+    }
+
     /// Runs anything on the transaction, when everything handed over is in it, and waits for it.
     ///
     /// # Errors

@@ -57,7 +57,7 @@ mod tests {
     #[test]
     fn rejects_each_of_them_at_its_place() {
         for line in [
-            "@group(1) @binding(10) var<storage, read_write> stolen: array<f32>;",
+            "@group(1) @binding(13) var<storage, read_write> stolen: array<f32>;",
             "@compute @workgroup_size(64) fn main() {}",
             "@must_use fn f() -> f32 { return 1.0; }",
             "@id(3) override a: f32 = 1.0;",

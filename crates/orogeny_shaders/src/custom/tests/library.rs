@@ -129,26 +129,45 @@ fn noise_at_is_as_precise_anywhere() {
     }
 }
 
+/// A struct of the kernel, which has these members in this order.
+#[track_caller]
+fn structure(module: &naga::Module, name: &str, members: Vec<(&str, Value)>) -> Value {
+    let mut types = module.types.iter().map(|(_, ty)| ty);
+    let ty = types.find(|ty| ty.name.as_deref() == Some(name)).unwrap();
+    let naga::TypeInner::Struct { members: declared, .. } = &ty.inner else { panic!("{ty:?}") };
+    let declared: Vec<_> = declared.iter().map(|member| member.name.as_deref().unwrap()).collect();
+    assert_eq!(declared, members.iter().map(|(name, _)| *name).collect::<Vec<_>>(), "{name}");
+    Value::Struct(members.into_iter().map(|(_, value)| value).collect())
+}
+
 /// The height that the kernel makes of one, with the brush's input as it was.
 fn new_height(result: &str, weight_mode: u32, amount: f32, inverse_radius: f32) -> f32 {
     let module = parsed(&compiled(&brush("", result)).shader);
     let f32s = |values: &[f32]| Value::F32(values.to_vec());
-    let brush_uniform =
-        Value::Struct([vec![f32s(&[0.0]); 5], vec![Value::U32(vec![0]), Value::U32(vec![77])]].concat());
+    let custom =
+        vec![("spacing_m", f32s(&[0.5])), ("radius_m", f32s(&[80.0])), ("seed", Value::U32(vec![77]))];
     let named = HashMap::from([
         ("WEIGHT_MODE", Value::U32(vec![weight_mode])),
-        ("brush", brush_uniform),
-        ("custom", Value::Struct(vec![f32s(&[0.5]), f32s(&[80.0])])),
-        ("parameters", Value::Struct(vec![f32s(&[0.0])])),
+        ("custom", structure(&module, "Custom", custom)),
+        ("parameters", structure(&module, "Parameters", vec![("unused", f32s(&[0.0]))])),
     ]);
-    let instance = Value::Struct(vec![
-        Value::I32(vec![1_000_000, 10]),
-        f32s(&[0.25, 0.75]),
-        f32s(&[inverse_radius]),
-        f32s(&[1.0]),
-        f32s(&[0.0]),
-        f32s(&[0.125]),
-    ]);
+    let members = vec![
+        ("cell", Value::I32(vec![1_000_000, 10])),
+        ("fraction", f32s(&[0.25, 0.75])),
+        ("inverse_radius", f32s(&[inverse_radius])),
+        ("amplitude", f32s(&[1.0])),
+        ("reference_height_m", f32s(&[0.0])),
+        ("inverse_radius_m", f32s(&[0.125])),
+        ("axis", f32s(&[0.6, 0.8])),
+        ("mirror", f32s(&[-1.0])),
+        ("flow", f32s(&[0.25])),
+        ("segment", f32s(&[3.0, -4.0])),
+        ("inverse_segment_squared", f32s(&[0.04])),
+        ("end_height_m", f32s(&[30.0])),
+        ("frame", Value::U32(vec![5])),
+        ("frame_blend", f32s(&[0.375])),
+    ];
+    let instance = structure(&module, "Instance", members);
     let sample = Value::I32(vec![1_000_004, 20]);
     let machine = Machine { module: &module, named };
     match machine.call("new_height", vec![f32s(&[100.0]), f32s(&[amount]), sample, instance]) {

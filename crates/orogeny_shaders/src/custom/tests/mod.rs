@@ -54,10 +54,10 @@ fn a_brush_is_a_kernel_like_the_others() {
     let raise = crate::shader("brush/raise").unwrap();
     assert_eq!((&*shader.stem, &*shader.entry_point), ("custom/brush", "main"));
     assert_eq!((shader.workgroup_size, &shader.overrides), (raise.workgroup_size, &raise.overrides));
-    assert_eq!(shader.bindings[..8], raise.bindings[..]);
+    assert_eq!(shader.bindings[..11], raise.bindings[..]);
     let own: Vec<_> =
-        shader.bindings[8..].iter().map(|b| (b.group, b.binding, &*b.name, b.size_in_bytes)).collect();
-    assert_eq!(own, [(1, 8, "parameters", 4), (1, 9, "custom", 8)]);
+        shader.bindings[11..].iter().map(|b| (b.group, b.binding, &*b.name, b.size_in_bytes)).collect();
+    assert_eq!(own, [(1, 11, "parameters", 4), (1, 12, "custom", 12)]);
 }
 
 #[test]

@@ -1,0 +1,154 @@
+//! Where a brush may act: a page of weights for each page of heights, from the ground before the stroke.
+//!
+//! Gates are worked out on the CPU for both back ends, once for each page of a stroke. They look across page borders.
+
+use orogeny_field::noise::{NoiseFrame, NoiseKernel};
+use orogeny_field::{Band, FieldId, Gate, Page, PageKey, PageLayout, TerrainGrid};
+use orogeny_pages::PageStore;
+use orogeny_reference::gate::{self, Ground};
+use orogeny_reference::noise::row;
+
+use crate::{Error, Result};
+
+/// A gate with all that it needs of the terrain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GatePlan {
+    gate: Gate,
+    noise: Option<(NoiseKernel, NoiseFrame, Band)>,
+    grid: TerrainGrid,
+    /// Whose ground is looked at.
+    heights: FieldId,
+    /// The terrain's selection.
+    selection: FieldId,
+}
+
+/// What the weights of one page are made of.
+#[derive(Debug)]
+pub(crate) struct GateInput {
+    /// Heights of the page and one sample about it, where the gate looks at them.
+    ground: Option<Vec<f32>>,
+    selection: Option<Page>,
+}
+
+impl GatePlan {
+    /// A gate on a terrain.
+    ///
+    /// # Errors
+    /// [`orogeny_field::Error::FeatureSize`] for a noise that the terrain's samples cannot show.
+    pub fn new(gate: &Gate, grid: TerrainGrid, heights: FieldId, selection: FieldId) -> Result<Self> {
+        let noise = match &gate.noise {
+            None => None,
+            Some(noise_gate) => {
+                let kernel = NoiseKernel::new(&noise_gate.noise, grid.spacing_m(), [0.0; 2])?;
+                let frame = NoiseFrame::new(&kernel, noise_gate.noise.seed, 0, None);
+                Some((kernel, frame, noise_gate.band))
+            }
+        };
+        Ok(Self { gate: gate.clone(), noise, grid, heights, selection })
+    }
+
+    /// Loads what the weights of a page are made of.
+    pub(crate) fn load(&self, key: &PageKey, store: &mut dyn PageStore) -> Result<GateInput> {
+        let ground = if self.gate.needs_heights() { Some(self.ground(key, store)?) } else { None };
+        let selection = if self.gate.selection {
+            Some(load(&PageKey { field: self.selection, ..*key }, store)?)
+        } else {
+            None
+        };
+        Ok(GateInput { ground, selection })
+    }
+
+    /// The weights of a page.
+    pub(crate) fn page(&self, key: &PageKey, layout: PageLayout, input: &GateInput) -> Page {
+        let mut page = Page::constant(layout, 1.0);
+        let size = layout.size();
+        let origin = layout.page_rect(key);
+        let stride = size as usize + 2;
+        let mut noise_values = vec![0.0; size as usize];
+        for z in 0..size {
+            let Some(weights) = page.row_mut(z, 0, size) else { continue };
+            if let Some(ground) = &input.ground {
+                let mut rows = ground.chunks(stride).skip(z as usize);
+                if let (Some(north), Some(here), Some(south)) = (rows.next(), rows.next(), rows.next()) {
+                    let ground = Ground { north, here, south, spacing_m: self.grid.spacing_m() };
+                    gate::multiply_by_ground(weights, &self.gate, &ground);
+                }
+            }
+            if let Some((kernel, frame, band)) = &self.noise {
+                row::row(&mut noise_values, origin.x0, origin.z0 + z.cast_signed(), kernel, frame);
+                gate::multiply_by_band(weights, &noise_values, band);
+            }
+            if let Some(selected) = input.selection.as_ref().and_then(|page| page.row(z, 0, size)) {
+                gate::multiply_by_selection(weights, selected);
+            }
+            if self.gate.is_inverted {
+                gate::invert(weights);
+            }
+        }
+        page
+    }
+
+    /// The heights of a page before the stroke and of one sample about it; beyond the terrain's edge it is mirrored.
+    fn ground(&self, key: &PageKey, store: &mut dyn PageStore) -> Result<Vec<f32>> {
+        let layout = store.layout();
+        let size = layout.size();
+        let origin = layout.page_rect(key);
+        // At most nine: the page and those about it.
+        let mut pages: Vec<((u32, u32), Page)> = Vec::new();
+        let mut ground = Vec::with_capacity((size as usize + 2).pow(2));
+        let mut last = 0;
+        for z in origin.z0 - 1..=origin.z1 {
+            let z = mirrored(z, self.grid.depth());
+            for x in origin.x0 - 1..=origin.x1 {
+                let x = mirrored(x, self.grid.width());
+                let place = (x / size, z / size);
+                if pages.get(last).is_none_or(|(known, _)| *known != place) {
+                    last = match pages.iter().position(|(known, _)| *known == place) {
+                        Some(index) => index,
+                        None => {
+                            let (x, z) = place;
+                            let key = PageKey::full_resolution(self.heights, x, z);
+                            pages.push((place, load(&key, store)?));
+                            pages.len() - 1
+                        }
+                    };
+                }
+                let sample =
+                    pages.get(last).and_then(|(_, page)| page.row(z % size, x % size, x % size + 1)?.first());
+                ground.push(sample.copied().unwrap_or_default());
+            }
+        }
+        Ok(ground)
+    }
+}
+
+/// A sample's place on the terrain, mirrored at its border without repeating it; a place further off is that of the border.
+fn mirrored(place: i32, num_samples: u32) -> u32 {
+    let last = num_samples - 1;
+    let within = place.unsigned_abs();
+    if within <= last { within } else { last.saturating_sub(within - last) }
+}
+
+fn load(key: &PageKey, store: &mut dyn PageStore) -> Result<Page> {
+    let layout = store.layout();
+    let page = store.load_before(key).map_err(orogeny_pages::Error::Source)?;
+    let page = page.unwrap_or_else(|| Page::constant(layout, store.constant(key.field)));
+    if page.size() == layout.size() {
+        Ok(page)
+    } else {
+        Err(Error::PageSize { expected: layout.size(), actual: page.size() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_beyond_the_border_are_mirrored_in_it() {
+        for (place, expected) in [(-1, 1), (0, 0), (9, 9), (10, 8), (11, 7), (400, 0)] {
+            assert_eq!(mirrored(place, 10), expected, "{place}");
+        }
+        assert_eq!((mirrored(-1, 1), mirrored(1, 1)), (0, 0));
+    }
+}

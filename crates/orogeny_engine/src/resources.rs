@@ -1,0 +1,132 @@
+//! Data from outside that a brush names: read, kept with the terrain under the hash of its content, made ready for the kernels.
+
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use orogeny_brush::{CustomProgram, Resources};
+use orogeny_field::{Bitmap, Brush, DataSource};
+use orogeny_shaders::custom::compile_custom;
+use orogeny_store::{BlobHash, Recording, Store};
+
+use crate::{Error, Result};
+
+/// The most bytes of a picture for a brush.
+const MAX_PICTURE_BYTES: u64 = 64 << 20;
+/// The most bytes of a custom brush's text.
+const MAX_TEXT_BYTES: u64 = 1 << 20;
+
+/// Reads what a brush names, keeps it with the operation that is recorded next, and gives the brush that names it by its
+/// content.
+///
+/// # Errors
+/// [`Error::Read`], [`Error::Format`], [`Error::Shader`] or [`Error::Store`], naming the file.
+pub(crate) fn load(brush: &Brush, recording: &mut Recording<'_>) -> Result<(Brush, Resources)> {
+    let mut brush = brush.clone();
+    let mut resources = Resources::default();
+    if let Some(alpha) = &mut brush.alpha {
+        let data = Data::of(&alpha.source, MAX_PICTURE_BYTES, recording)?;
+        let picture = orogeny_formats::read_bitmap(&data.bytes, &data.name)?;
+        let bitmap = Bitmap::new(picture.width(), picture.height(), picture.values().to_vec())?;
+        resources.alpha = Some(Arc::new(bitmap));
+        alpha.source = DataSource::Blake3(data.hash);
+    }
+    if let Some(custom) = &mut brush.custom {
+        let data = Data::of(&custom.source, MAX_TEXT_BYTES, recording)?;
+        resources.custom = Some(Arc::new(compile(data.bytes, &data.name, data.hash.clone())?));
+        custom.source = DataSource::Blake3(data.hash);
+    }
+    Ok((brush, resources))
+}
+
+/// Compiles the text of a custom brush.
+pub(crate) fn compile(bytes: Vec<u8>, name: &str, identity: String) -> Result<CustomProgram> {
+    let text = String::from_utf8(bytes).map_err(|err| Error::Operation {
+        place: format!("the custom brush `{name}`"),
+        detail: format!("it is no UTF-8 text from byte {} on", err.utf8_error().valid_up_to()),
+    })?;
+    Ok(CustomProgram { brush: compile_custom(&text, name)?, identity })
+}
+
+/// Makes relative file names relative to a folder.
+pub(crate) fn resolve_files(brush: &mut Brush, folder: &Path) {
+    let sources = [
+        brush.alpha.as_mut().map(|alpha| &mut alpha.source),
+        brush.custom.as_mut().map(|custom| &mut custom.source),
+    ];
+    for source in sources.into_iter().flatten() {
+        if let DataSource::File(file) = source {
+            let joined = folder.join(&*file).to_string_lossy().into_owned();
+            *file = joined;
+        }
+    }
+}
+
+/// Writes what a recorded brush names into files of a folder, and lets it name them: for doing it again on another terrain.
+///
+/// # Errors
+/// [`Error::Store`] for data that is not there, [`Error::Write`].
+pub(crate) fn unpack(brush: &mut Brush, source: &Store, folder: &Path) -> Result<()> {
+    let sources = [
+        brush.alpha.as_mut().map(|alpha| &mut alpha.source),
+        brush.custom.as_mut().map(|custom| &mut custom.source),
+    ];
+    for data in sources.into_iter().flatten() {
+        let DataSource::Blake3(name) = data else { continue };
+        let path = folder.join(&*name);
+        let failed = |source| Error::Write { path: path.clone(), source };
+        let mut file = std::fs::File::create(&path).map_err(failed)?;
+        source.read_blob(&hash_of(name)?, &mut file)?;
+        file.sync_all().map_err(failed)?;
+        *data = DataSource::File(path.to_string_lossy().into_owned());
+    }
+    Ok(())
+}
+
+fn hash_of(name: &str) -> Result<BlobHash> {
+    BlobHash::from_hex(name).ok_or_else(|| Error::Operation {
+        place: "the operation".to_owned(),
+        detail: format!("`blake3` is `{name}`, it must be 64 hexadecimal digits"),
+    })
+}
+
+/// Bytes, where they are from, and the hash of their content.
+struct Data {
+    bytes: Vec<u8>,
+    name: String,
+    hash: String,
+}
+
+impl Data {
+    fn of(source: &DataSource, limit: u64, recording: &mut Recording<'_>) -> Result<Self> {
+        let (bytes, name) = match source {
+            DataSource::File(file) => (read(Path::new(file), limit)?, file.clone()),
+            DataSource::Blake3(name) => {
+                let hash = hash_of(name)?;
+                let bytes = recording.with_transaction(move |transaction| {
+                    let mut bytes = Vec::new();
+                    transaction.read_blob(&hash, &mut bytes)?;
+                    Ok(bytes)
+                })?;
+                (bytes, name.clone())
+            }
+        };
+        // Kept again where it is there already: so it goes with the last operation that names it.
+        let kept = bytes.clone();
+        let hash =
+            recording.with_transaction(move |transaction| transaction.keep_blob(&mut kept.as_slice()))?;
+        Ok(Self { bytes, name, hash: hash.to_string() })
+    }
+}
+
+/// Reads a file that is not too long.
+pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
+    let failed = |source| Error::Read { path: path.to_owned(), source };
+    let file = std::fs::File::open(path).map_err(failed)?;
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > limit {
+        return Err(Error::TooLong { path: PathBuf::from(path), limit });
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,106 @@
+//! What single brush types have.
+
+use super::MAX_HEIGHT;
+use super::kind::{Parameter, ParameterKind, number, optional_number, parameter};
+use crate::brush::BrushType;
+
+pub(super) const PARAMETERS: &[Parameter] = &[
+    parameter(
+        "height",
+        optional_number(-MAX_HEIGHT, MAX_HEIGHT),
+        "target height; by default the height under the stroke's first point; a fill needs it",
+    )
+    .in_unit("m")
+    .of_brushes(&[BrushType::Level]),
+    parameter("height", optional_number(-MAX_HEIGHT, MAX_HEIGHT), "target height; needed")
+        .in_unit("m")
+        .of_brushes(&[BrushType::SetHeight]),
+    parameter(
+        "height",
+        optional_number(-MAX_HEIGHT, MAX_HEIGHT),
+        "reference height; by default the ground at each instance's centre; a fill needs it",
+    )
+    .in_unit("m")
+    .of_brushes(&[BrushType::Ledge]),
+    parameter(
+        "height",
+        optional_number(-MAX_HEIGHT, MAX_HEIGHT),
+        "height that black stands for; by default the ground at each instance's centre",
+    )
+    .in_unit("m")
+    .of_brushes(&[BrushType::Stamp]),
+    parameter(
+        "height",
+        optional_number(-MAX_HEIGHT, MAX_HEIGHT),
+        "height of the beginning; by default the ground under the stroke's first point",
+    )
+    .in_unit("m")
+    .of_brushes(&[BrushType::Ramp]),
+    parameter(
+        "end_height",
+        optional_number(-MAX_HEIGHT, MAX_HEIGHT),
+        "height of the end; by default the ground under the stroke's last point",
+    )
+    .in_unit("m")
+    .of_brushes(&[BrushType::Ramp]),
+    parameter("along", ParameterKind::Choice { words: &["linear", "smooth"] }, "the ramp's profile along its way")
+        .of_brushes(&[BrushType::Ramp]),
+    parameter(
+        "direction",
+        ParameterKind::Choice { words: &["raise", "lower"] },
+        "`raise`: lower ground comes up; `lower`: higher ground goes down",
+    )
+    .of_brushes(&[BrushType::Ledge]),
+    parameter(
+        "only",
+        ParameterKind::Choice { words: &["both", "cut", "fill"] },
+        "which way the ground may move: `cut` down, `fill` up",
+    )
+    .of_brushes(&[BrushType::Level, BrushType::Ramp]),
+    parameter("step", number(1.0e-3, MAX_HEIGHT, 10.0), "height of a step").in_unit("m").of_brushes(TERRACE),
+    parameter("sharpness", number(0.0, 1.0, 0.7), "0 leaves the ground as it is, 1 makes walls").of_brushes(TERRACE),
+    parameter("tilt", number(0.0, 60.0, 0.0), "tilt of the steps against the horizontal").in_unit("°").of_brushes(TERRACE),
+    parameter("tilt_direction", number(-360.0, 360.0, 0.0), "the way down their tilt, from x towards z")
+        .in_unit("°")
+        .of_brushes(TERRACE),
+    parameter("low", number(-MAX_HEIGHT, MAX_HEIGHT, 0.0), "lower end of the range").in_unit("m").of_brushes(RANGE_MAP),
+    parameter("high", number(-MAX_HEIGHT, MAX_HEIGHT, 1000.0), "upper end of the range, above the lower")
+        .in_unit("m")
+        .of_brushes(RANGE_MAP),
+    parameter("mapping", ParameterKind::Choice { words: &["bias", "gain", "curve"] }, "how heights are spread over the range")
+        .of_brushes(RANGE_MAP),
+    parameter("bias", number(0.01, 0.99, 0.3), "of `bias`: under 0.5 lowers the middle, above raises it")
+        .of_brushes(RANGE_MAP),
+    parameter("gain", number(0.01, 0.99, 0.7), "of `gain`: under 0.5 flattens the middle, above steepens it")
+        .of_brushes(RANGE_MAP),
+    parameter(
+        "map_curve",
+        ParameterKind::Curve { x: (0.0, 1.0), y: (0.0, 1.0) },
+        "of `curve`: from low (0) to high (1)",
+    )
+    .of_brushes(RANGE_MAP),
+    parameter("scale", number(-MAX_HEIGHT, MAX_HEIGHT, 100.0), "metres that white in the picture stands for")
+        .in_unit("m")
+        .of_brushes(STAMP),
+    parameter(
+        "mode",
+        ParameterKind::Choice { words: &["add", "replace", "max", "min"] },
+        "`add`: laid on the ground; `replace`: the ground becomes it; `max`, `min`: the higher, the lower of both",
+    )
+    .of_brushes(STAMP),
+    parameter("file", ParameterKind::Text, "the WGSL file").of_brushes(CUSTOM),
+    parameter("blake3", ParameterKind::Text, "name of its content, where it is kept with the terrain").of_brushes(CUSTOM),
+    parameter("parameters", ParameterKind::Values, "values of the parameters that the file declares").of_brushes(CUSTOM),
+    parameter(
+        "blending",
+        ParameterKind::Choice { words: &["each", "wash", "build_up"] },
+        "`each`: every instance acts with its whole weight; `wash`: one weight for the whole stroke; `build_up`: a share each",
+    )
+    .of_brushes(CUSTOM),
+    parameter("value", number(0.0, 1.0, 1.0), "what is painted").of_brushes(&[BrushType::PaintMask]),
+];
+
+const TERRACE: &[BrushType] = &[BrushType::Terrace];
+const RANGE_MAP: &[BrushType] = &[BrushType::RangeMap];
+const CUSTOM: &[BrushType] = &[BrushType::Custom];
+const STAMP: &[BrushType] = &[BrushType::Stamp];

@@ -1,0 +1,140 @@
+//! What a gate lets through at each sample of a row, 0..1: the product of its bands over slope, height, aspect and curvature of
+//! the ground. Derivatives are central differences; curvature is `-(H_xx + H_zz) / 2`.
+
+use orogeny_field::{AspectGate, Band, Gate};
+
+/// Three rows of heights, in metres, each with one sample more at either end than the row that is gated.
+#[derive(Debug, Clone, Copy)]
+pub struct Ground<'a> {
+    /// The row to the north.
+    pub north: &'a [f32],
+    /// The row itself.
+    pub here: &'a [f32],
+    /// The row to the south.
+    pub south: &'a [f32],
+    /// Metres between samples.
+    pub spacing_m: f64,
+}
+
+/// Multiplies a row of weights by what a gate makes of the ground.
+pub fn multiply_by_ground(weights: &mut [f32], gate: &Gate, ground: &Ground<'_>) {
+    let rows = ground.here.windows(3).zip(ground.north.iter().skip(1).zip(ground.south.iter().skip(1)));
+    for (weight, (here, (north, south))) in weights.iter_mut().zip(rows) {
+        let &[west, centre, east] = here else { continue };
+        let [west, centre, east] = [west, centre, east].map(f64::from);
+        let (north, south) = (f64::from(*north), f64::from(*south));
+        let slope_x = (east - west) / (2.0 * ground.spacing_m);
+        let slope_z = (south - north) / (2.0 * ground.spacing_m);
+        let steepness = slope_x.hypot(slope_z);
+        let mut through = 1.0;
+        if let Some(band) = &gate.height_m {
+            through *= within(centre, band);
+        }
+        if let Some(band) = &gate.slope_deg {
+            through *= within(steepness.atan().to_degrees(), band);
+        }
+        if let Some(aspect) = &gate.aspect {
+            through *= facing([-slope_x, -slope_z], aspect);
+        }
+        if let Some(band) = &gate.curvature_per_km {
+            let bend = (west + east + north + south - 4.0 * centre) / (ground.spacing_m * ground.spacing_m);
+            through *= within(-500.0 * bend, band);
+        }
+        *weight *= through as f32;
+    }
+}
+
+/// Multiplies a row of weights by what a band lets through of other values, such as a noise.
+pub fn multiply_by_band(weights: &mut [f32], values: &[f32], band: &Band) {
+    for (weight, value) in weights.iter_mut().zip(values) {
+        *weight *= within(f64::from(*value), band) as f32;
+    }
+}
+
+/// Multiplies a row of weights by a selection, 0..1.
+pub fn multiply_by_selection(weights: &mut [f32], selection: &[f32]) {
+    for (weight, selected) in weights.iter_mut().zip(selection) {
+        *weight *= selected.clamp(0.0, 1.0);
+    }
+}
+
+/// Lets through what was not.
+pub fn invert(weights: &mut [f32]) {
+    for weight in weights {
+        *weight = 1.0 - *weight;
+    }
+}
+
+/// 1 within a band, 0 further than its feather outside, a smooth step between.
+#[must_use]
+pub fn within(value: f64, band: &Band) -> f64 {
+    let outside = (band.min - value).max(value - band.max).max(0.0);
+    if outside <= 0.0 {
+        1.0
+    } else if outside >= band.feather {
+        0.0
+    } else {
+        let t = 1.0 - outside / band.feather;
+        t * t * (3.0 - 2.0 * t)
+    }
+}
+
+/// How far a way down the ground is one that an aspect lets through; level ground faces nowhere.
+fn facing([x, z]: [f64; 2], aspect: &AspectGate) -> f64 {
+    if x.hypot(z) < 1.0e-9 {
+        return 0.0;
+    }
+    let turned = (z.atan2(x).to_degrees() - aspect.angle_deg).rem_euclid(360.0);
+    let off = turned.min(360.0 - turned);
+    within(off, &Band { min: 0.0, max: aspect.width_deg, feather: aspect.feather_deg })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a gate makes of a plane or paraboloid at its middle.
+    fn through(gate: &Gate, height_m: impl Fn(f64, f64) -> f64) -> f32 {
+        let row = |z: f64| [-1.0, 0.0, 1.0].map(|x| height_m(2.0 * x, 2.0 * z) as f32);
+        let (north, here, south) = (row(-1.0), row(0.0), row(1.0));
+        let ground = Ground { north: &north, here: &here, south: &south, spacing_m: 2.0 };
+        let mut weights = [1.0];
+        multiply_by_ground(&mut weights, gate, &ground);
+        weights[0]
+    }
+
+    #[test]
+    fn slope_aspect_and_curvature_are_those_of_known_surfaces() {
+        let band = |min, max| Some(Band { min, max, feather: 0.0 });
+        let rising_east = |x: f64, _: f64| x * 30.0_f64.to_radians().tan();
+        for (min, max, expected) in [(29.9, 30.1, 1.0), (30.1, 40.0, 0.0), (0.0, 29.9, 0.0)] {
+            assert_eq!(
+                through(&Gate { slope_deg: band(min, max), ..Gate::default() }, rising_east),
+                expected
+            );
+        }
+        let facing = |angle_deg| Gate {
+            aspect: Some(AspectGate { angle_deg, width_deg: 10.0, feather_deg: 0.0 }),
+            ..Gate::default()
+        };
+        // It rises to the east, so it falls to the west.
+        assert_eq!((through(&facing(180.0), rising_east), through(&facing(0.0), rising_east)), (1.0, 0.0));
+        assert_eq!(through(&facing(-180.0), rising_east), 1.0);
+        assert_eq!(through(&facing(90.0), |_, z| -z), 1.0, "falls to the south");
+        assert_eq!(through(&facing(90.0), |_, _| 7.0), 0.0, "level");
+        // A dome of 250 m radius bends by 1/250 m = 4/km in each direction.
+        let dome = |x: f64, z: f64| -(x * x + z * z) / 500.0;
+        assert_eq!(through(&Gate { curvature_per_km: band(3.9, 4.1), ..Gate::default() }, dome), 1.0);
+        assert_eq!(through(&Gate { curvature_per_km: band(-4.1, -3.9), ..Gate::default() }, dome), 0.0);
+        assert_eq!(through(&Gate { height_m: band(-1.0, 1.0), ..Gate::default() }, dome), 1.0);
+    }
+
+    #[test]
+    fn a_feather_is_a_smooth_step_outside_its_band() {
+        let band = Band { min: 10.0, max: 20.0, feather: 4.0 };
+        for (value, expected) in [(10.0, 1.0), (20.0, 1.0), (8.0, 0.5), (22.0, 0.5), (6.0, 0.0), (24.1, 0.0)]
+        {
+            assert_eq!(within(value, &band), expected, "{value}");
+        }
+    }
+}
