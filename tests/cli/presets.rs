@@ -54,31 +54,30 @@ fn a_preset_goes_from_user_to_user_and_paints_the_same_bits() {
     let folder = Folder::new();
     let brush = r#"{"type":"raise","radius":37.5,"profile":"gauss","strength":12.3}"#;
     let saved = folder
-        .succeed(&format!("presets save Alpine-ridge --brush {brush} --description Steep --tag mountain"));
+        .succeed(&format!("presets save Lone-ridge --brush {brush} --description Steep --tag mountain"));
     assert_eq!(saved["done"], "saved");
-    folder.succeed("presets export alpine-ridge ridge.json");
+    folder.succeed("presets export lone-ridge ridge.json");
     let exported: Value = serde_json::from_slice(&folder.read("ridge.json")).unwrap();
     assert!(exported["thumbnail"].as_str().unwrap().starts_with("data:image/png;base64,"));
 
     let other = Folder::new();
     other.write("ridge.json", folder.read("ridge.json"));
-    let words = &["operation 1 of 1", "Alpine-ridge"];
-    other.write("recipe.json", r#"{"operations": [{"op": "fill", "brush": {"preset": "Alpine-ridge"}}]}"#);
+    let words = &["operation 1 of 1", "Lone-ridge"];
+    other.write("recipe.json", r#"{"operations": [{"op": "fill", "brush": {"preset": "Lone-ridge"}}]}"#);
     other.succeed("new t.orogeny --size 9x9 --spacing 1");
     other.fail("apply t.orogeny recipe.json", words);
     other.succeed("presets import ridge.json");
     let brush: Value = serde_json::from_str(brush).unwrap();
-    let by_name = painted(&other, "by-name", &json!({"preset": "alpine ridge"}));
+    let by_name = painted(&other, "by-name", &json!({"preset": "lone ridge"}));
     assert_eq!(by_name, painted(&other, "explicit", &brush));
     assert!(by_name.iter().any(|bits| *bits != 0));
 
     // Fields beside the name take the place of the preset's; the history holds the whole brush, and needs no preset.
-    let by_name =
-        painted(&other, "wider", &json!({"preset": "Alpine ridge", "radius": 60, "profile": "tip"}));
+    let by_name = painted(&other, "wider", &json!({"preset": "Lone ridge", "radius": 60, "profile": "tip"}));
     let mut wider = brush;
     (wider["radius"], wider["profile"]) = (json!(60), json!("tip"));
     assert_eq!(by_name, painted(&other, "explicit-wider", &wider));
-    other.succeed("presets remove alpine-ridge");
+    other.succeed("presets remove lone-ridge");
     other.succeed("replay wider.orogeny again.orogeny");
     other.succeed("export again.orogeny again.r32");
     assert_eq!(other.read("again.r32"), other.read("wider.r32"));

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, Result, StrokePlanner, plan_fill};
-use orogeny_field::{Bitmap, Brush, FieldId, PageLayout, SampleRect, Stroke, TerrainGrid};
+use orogeny_field::{Bitmap, Brush, FieldId, Gate, PageLayout, SampleRect, Stroke, TerrainGrid};
 use orogeny_pages::PageStore;
 
 use crate::{Plane, Random};
@@ -138,7 +138,14 @@ pub fn resources(brush: &Brush) -> Resources {
         let values = (0..37 * 23).map(|_| random.within(0.0, 1.0) as f32).collect();
         Arc::new(Bitmap::new(37, 23, values).unwrap())
     });
-    Resources { alpha: brush.alpha.as_ref().map(|_| Arc::clone(bitmap)), custom: None }
+    let of = |is_named: bool| is_named.then(|| Arc::clone(bitmap));
+    let has_image = |gate: Option<&Gate>| gate.is_some_and(|gate| gate.image.is_some());
+    Resources {
+        alpha: of(brush.alpha.is_some()),
+        gate_image: of(has_image(brush.gate.as_deref())),
+        roughness_image: of(has_image(brush.noise.roughness.as_deref())),
+        custom: None,
+    }
 }
 
 fn for_each_batch(

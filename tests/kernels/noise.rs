@@ -5,7 +5,8 @@ use orogeny_field::noise::{
     Basis, Distortion, Gain, Noise, NoiseDirection, Normalization, Seeding, Turbulence,
 };
 use orogeny_field::{
-    AspectGate, Band, Brush, BrushType, Curve, Gate, NoiseGate, PageLayout, PointerSample, SampleRect, Stroke,
+    AspectGate, Band, Brush, BrushType, Curve, DataSource, Gate, GateImage, NoiseGate, PageLayout,
+    PointerSample, SampleRect, Stroke,
 };
 use orogeny_tests::{Feed, Operation, Plane, compare, paint};
 
@@ -60,6 +61,11 @@ fn brushes() -> Vec<(&'static str, Brush)> {
         "noise, curves",
         with(Noise { transfer: Some(curve.clone()), curve: Some(curve), ..base.clone() }),
     ));
+    let image =
+        GateImage { source: DataSource::File("a map".to_owned()), region_m: [20.0, -30.0, 3000.0, 900.0] };
+    let roughness = Gate { image: Some(image), is_inverted: true, noise: None, ..gate() };
+    let rough = Noise { roughness: Some(Box::new(roughness)), ..noise(Basis::Simplex, Turbulence::Ridged) };
+    brushes.push(("noise, rough by the ground and a picture", with(rough)));
     brushes.push(("noise, gated", Brush { gate: Some(Box::new(gate())), ..with(base) }));
     brushes
 }
@@ -76,6 +82,7 @@ fn gate() -> Gate {
             band: Band { min: -0.5, max: 9.0, feather: 0.5 },
         }),
         selection: false,
+        image: None,
         is_inverted: false,
     }
 }

@@ -75,6 +75,8 @@ fn further_operations() -> Vec<Operation> {
     };
     let level = Brush { flow: 0.3, height_m: Some(120.0), ..gated(brush(BrushType::Level, 0.8)) };
     let stamp = Brush { alpha: alpha(AlphaRotation::Follow), ..brush(BrushType::Stamp, 0.9) };
+    let steep = Gate { slope_deg: band(5.0, 40.0, 20.0), ..Gate::default() };
+    let rough = Noise { roughness: Some(Box::new(steep)), ..noise(Seeding::World, None) };
     let tilted = Terrace { step_m: 9.0, sharpness: 0.4, tilt_deg: 5.0, tilt_direction_deg: 70.0 };
     vec![
         airbrush,
@@ -86,7 +88,7 @@ fn further_operations() -> Vec<Operation> {
         stroke(brush(BrushType::Ramp, 0.6), &LOOP[1..4]),
         stroke(Brush { noise: noise(Seeding::Random, None), ..brush(BrushType::Noise, 20.0) }, &LOOP[..3]),
         stroke(Brush { noise: noise(Seeding::World, follows), ..brush(BrushType::Noise, 20.0) }, &LOOP),
-        stroke(Brush { noise: noise(Seeding::World, None), ..gated(brush(BrushType::Noise, 20.0)) }, &LOOP),
+        stroke(Brush { noise: rough, ..gated(brush(BrushType::Noise, 20.0)) }, &LOOP),
     ]
 }
 

@@ -15,7 +15,7 @@ use orogeny_reference::noise::row::{self, LatticeBlock};
 use rayon::prelude::*;
 
 use crate::execute::{Executor, Notices, PageMemory};
-use crate::gate::GateInput;
+use crate::gate::{GateInput, GatePlan};
 use crate::kernels::{RowStart, Rule, apply_row};
 use crate::plan::{Batch, PageWork, Pass};
 use crate::spill::Spill;
@@ -49,6 +49,8 @@ struct WorkingPage {
     heights: Page,
     wash: Option<Wash>,
     gate: Gating,
+    /// How rough a noise is there.
+    roughness: Gating,
     /// The noise at each of its samples, where all instances have the same.
     pattern: Option<Pattern>,
 }
@@ -117,11 +119,15 @@ impl CpuExecutor {
                 heights: self.load(key, store, |store, key| store.load(key))?,
                 wash: None,
                 gate: Gating::Open,
+                roughness: Gating::Open,
                 pattern: None,
             },
         };
         if let (Some(gate), Gating::Open) = (&pass.gate, &page.gate) {
             page.gate = Gating::Loaded(gate.load(key, store)?);
+        }
+        if let (Some(roughness), Gating::Open) = (&pass.roughness, &page.roughness) {
+            page.roughness = Gating::Loaded(roughness.load(key, store)?);
         }
         if has_pattern(pass) && page.pattern.is_none() {
             page.pattern = Some(Pattern { values: Page::constant(self.layout, 0.0), known: BTreeSet::new() });
@@ -194,6 +200,7 @@ impl CpuExecutor {
         for (_, page) in &mut self.resident {
             page.wash = None;
             page.gate = Gating::Open;
+            page.roughness = Gating::Open;
             page.pattern = None;
         }
         self.num_held = self.resident.len();
@@ -271,34 +278,39 @@ fn has_pattern(pass: &Pass) -> bool {
 /// How many pages' memory a page takes while a pass works on it.
 fn num_held_for(pass: &Pass) -> usize {
     let wash = if pass.weight_mode() == WeightMode::Wash { 2 } else { 0 };
-    1 + wash + usize::from(pass.gate.is_some()) + usize::from(has_pattern(pass))
+    let gates = usize::from(pass.gate.is_some()) + usize::from(pass.roughness.is_some());
+    1 + wash + gates + usize::from(has_pattern(pass))
 }
 
 impl WorkingPage {
     /// How many pages' memory it takes.
     const fn num_held(&self) -> usize {
         let wash = if self.wash.is_some() { 2 } else { 0 };
-        let gate = if matches!(self.gate, Gating::Open) { 0 } else { 1 };
         let pattern = if self.pattern.is_some() { 1 } else { 0 };
-        1 + wash + gate + pattern
+        1 + wash + self.gate.num_held() + self.roughness.num_held() + pattern
     }
 
     /// Applies the batch's instances to the page; returns the number of clamped heights.
     fn apply(&mut self, batch: &Batch, work: &PageWork, layout: PageLayout) -> u64 {
         let page_rect = layout.page_rect(&work.key);
-        if let (Gating::Loaded(input), Some(gate)) = (&self.gate, &batch.pass.gate) {
-            self.gate = Gating::Weights(gate.page(&work.key, layout, input));
-        }
+        self.gate.work_out(batch.pass.gate.as_deref(), &work.key, layout);
+        self.roughness.work_out(batch.pass.roughness.as_deref(), &work.key, layout);
         if let (Some(pattern), Rule::Noise(kernel)) = (&mut self.pattern, &batch.pass.rule)
             && let Some(frame) = batch.frames.first()
         {
-            pattern.work_out(kernel, frame, &work.rect, &page_rect);
+            pattern.work_out(kernel, frame, self.roughness.weights(), &work.rect, &page_rect);
         }
         let instances = work.instances.iter().filter_map(|index| {
             let index = *index as usize;
             Some((batch.instances.get(index)?, batch.bounds.get(index)?.intersection(&page_rect)))
         });
-        let site = Site { batch, page_rect, gate: &self.gate, pattern: self.pattern.as_ref() };
+        let site = Site {
+            batch,
+            page_rect,
+            gate: self.gate.weights(),
+            roughness: self.roughness.weights(),
+            pattern: self.pattern.as_ref(),
+        };
         match &mut self.wash {
             None => {
                 let mut num_clamped = 0;
@@ -323,12 +335,34 @@ impl WorkingPage {
     }
 }
 
+impl Gating {
+    /// Makes weights of what was loaded.
+    fn work_out(&mut self, plan: Option<&GatePlan>, key: &PageKey, layout: PageLayout) {
+        if let (Self::Loaded(input), Some(plan)) = (&*self, plan) {
+            *self = Self::Weights(plan.page(key, layout, input));
+        }
+    }
+
+    const fn weights(&self) -> Option<&Page> {
+        match self {
+            Self::Weights(weights) => Some(weights),
+            Self::Open | Self::Loaded(_) => None,
+        }
+    }
+
+    /// How many pages' memory it takes.
+    const fn num_held(&self) -> usize {
+        if matches!(self, Self::Open) { 0 } else { 1 }
+    }
+}
+
 impl Pattern {
     /// Works out the blocks of a rectangle that are not known yet.
     fn work_out(
         &mut self,
         kernel: &NoiseKernel,
         frame: &NoiseFrame,
+        roughness: Option<&Page>,
         rect: &SampleRect,
         page_rect: &SampleRect,
     ) {
@@ -343,7 +377,9 @@ impl Pattern {
                 }
                 let lattice = LatticeBlock::around([block_x * block, block_z * block], kernel, frame);
                 for within in 0..LATTICE_BLOCK {
-                    row::block_row(&mut row, within, kernel, &lattice);
+                    let rough = roughness
+                        .and_then(|page| page.row(z + within, x, x + LATTICE_BLOCK)?.first_chunk::<LANES>());
+                    row::block_row(&mut row, within, kernel, &lattice, rough);
                     if let Some(values) = self.values.row_mut(z + within, x, x + LATTICE_BLOCK) {
                         values.copy_from_slice(&row);
                     }
@@ -357,16 +393,15 @@ impl Pattern {
 struct Site<'a> {
     batch: &'a Batch,
     page_rect: SampleRect,
-    gate: &'a Gating,
+    gate: Option<&'a Page>,
+    roughness: Option<&'a Page>,
     pattern: Option<&'a Pattern>,
 }
 
 impl Site<'_> {
     /// Multiplies a row's amounts by what its gate lets through.
     fn let_through(&self, start: RowStart, amounts: &mut [f32]) {
-        if let Gating::Weights(weights) = self.gate
-            && let Some(weights) = self.row_of(weights, start, amounts.len())
-        {
+        if let Some(weights) = self.gate.and_then(|page| self.row_of(page, start, amounts.len())) {
             amounts::let_through(amounts, weights);
         }
     }
@@ -388,16 +423,17 @@ impl Site<'_> {
         }
         let mut values = [0.0; ROW_CHUNK];
         let values = values.get_mut(..heights.len()).unwrap_or_default();
+        let rough = self.roughness.and_then(|page| self.row_of(page, start, values.len()));
         let mut frames = self.batch.frames.iter().skip(instance.frame as usize);
         if let Some(frame) = frames.next() {
-            row::row(values, start.x, start.z, kernel, frame);
+            row::row(values, start.x, start.z, kernel, frame, rough);
         }
         if kernel.num_directions() > 1
             && let Some(next) = frames.next()
         {
             let mut others = [0.0; ROW_CHUNK];
             let others = others.get_mut(..values.len()).unwrap_or_default();
-            row::row(others, start.x, start.z, kernel, next);
+            row::row(others, start.x, start.z, kernel, next, rough);
             row::blend(values, others, instance.frame_blend);
         }
         apply_row(pass, instance, start, heights, amounts, values)

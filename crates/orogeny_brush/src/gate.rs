@@ -2,8 +2,10 @@
 //!
 //! Gates are worked out on the CPU for both back ends, once for each page of a stroke. They look across page borders.
 
+use std::sync::Arc;
+
 use orogeny_field::noise::{NoiseFrame, NoiseKernel};
-use orogeny_field::{Band, FieldId, Gate, Page, PageKey, PageLayout, TerrainGrid};
+use orogeny_field::{Band, Bitmap, FieldId, Gate, Page, PageKey, PageLayout, TerrainGrid};
 use orogeny_pages::PageStore;
 use orogeny_reference::gate::{self, Ground};
 use orogeny_reference::noise::row;
@@ -15,6 +17,7 @@ use crate::{Error, Result};
 pub struct GatePlan {
     gate: Gate,
     noise: Option<(NoiseKernel, NoiseFrame, Band)>,
+    image: Option<(Arc<Bitmap>, [f64; 4])>,
     grid: TerrainGrid,
     /// Whose ground is looked at.
     heights: FieldId,
@@ -35,7 +38,14 @@ impl GatePlan {
     ///
     /// # Errors
     /// [`orogeny_field::Error::FeatureSize`] for a noise that the terrain's samples cannot show.
-    pub fn new(gate: &Gate, grid: TerrainGrid, heights: FieldId, selection: FieldId) -> Result<Self> {
+    pub fn new(
+        gate: &Gate,
+        grid: TerrainGrid,
+        heights: FieldId,
+        selection: FieldId,
+        image: Option<Arc<Bitmap>>,
+    ) -> Result<Self> {
+        let image = image.zip(gate.image.as_ref().map(|image| image.region_m));
         let noise = match &gate.noise {
             None => None,
             Some(noise_gate) => {
@@ -44,7 +54,7 @@ impl GatePlan {
                 Some((kernel, frame, noise_gate.band))
             }
         };
-        Ok(Self { gate: gate.clone(), noise, grid, heights, selection })
+        Ok(Self { gate: gate.clone(), noise, image, grid, heights, selection })
     }
 
     /// Loads what the weights of a page are made of.
@@ -75,11 +85,17 @@ impl GatePlan {
                 }
             }
             if let Some((kernel, frame, band)) = &self.noise {
-                row::row(&mut noise_values, origin.x0, origin.z0 + z.cast_signed(), kernel, frame);
+                row::row(&mut noise_values, origin.x0, origin.z0 + z.cast_signed(), kernel, frame, None);
                 gate::multiply_by_band(weights, &noise_values, band);
             }
             if let Some(selected) = input.selection.as_ref().and_then(|page| page.row(z, 0, size)) {
                 gate::multiply_by_selection(weights, selected);
+            }
+            if let Some((bitmap, [x_m, z_m, width_m, depth_m])) = &self.image {
+                let spacing_m = self.grid.spacing_m();
+                let first_x = (f64::from(origin.x0) * spacing_m - x_m) / width_m;
+                let row_z = ((f64::from(origin.z0) + f64::from(z)) * spacing_m - z_m) / depth_m;
+                gate::multiply_by_image(weights, bitmap, [first_x, row_z], spacing_m / width_m);
             }
             if self.gate.is_inverted {
                 gate::invert(weights);

@@ -21,13 +21,15 @@ pub struct Pass {
     pub is_mask: bool,
     /// Where it may act.
     pub gate: Option<Arc<GatePlan>>,
+    /// How rough a noise is where.
+    pub roughness: Option<Arc<GatePlan>>,
 }
 
 impl Pass {
     /// A pass over heights, without a gate.
     #[must_use]
     pub const fn new(rule: Rule, footprint: Footprint, field: FieldId) -> Self {
-        Self { rule, footprint, field, is_mask: false, gate: None }
+        Self { rule, footprint, field, is_mask: false, gate: None, roughness: None }
     }
 
     /// The picture that the kernel reads: that of its footprint, or a stamp's.

@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use orogeny_field::noise::{Noise, Normalization};
 use orogeny_field::{
-    AlphaRotation, Bitmap, Blending, Brush, BrushType, Coverage, Falloff, FieldId, Footprint, HeightRange,
-    Instance, PageLayout, PointerSample, SampleRect, TerraceSteps, TerrainGrid, WeightMode,
+    AlphaRotation, Bitmap, Blending, Brush, BrushType, Coverage, Falloff, FieldId, Footprint, Gate,
+    HeightRange, Instance, PageLayout, PointerSample, SampleRect, TerraceSteps, TerrainGrid, WeightMode,
 };
 use orogeny_pages::{HeightProbe, PageStore};
 use orogeny_reference::noise::normalization;
@@ -66,6 +66,10 @@ pub struct Resources {
     pub alpha: Option<Arc<Bitmap>>,
     /// The kernel that its user wrote.
     pub custom: Option<Arc<CustomProgram>>,
+    /// The picture of its gate.
+    pub gate_image: Option<Arc<Bitmap>>,
+    /// The picture of its noise's roughness.
+    pub roughness_image: Option<Arc<Bitmap>>,
 }
 
 /// The same brush with all that has to be found out for it found out: what its noises are normalised by.
@@ -114,6 +118,7 @@ struct Plan {
     canvas: Canvas,
     resources: Resources,
     gate: Option<Arc<GatePlan>>,
+    roughness: Option<Arc<GatePlan>>,
     custom: Option<CustomRule>,
 }
 
@@ -132,11 +137,19 @@ impl Plan {
             _ => None,
         };
         let brush = resolved(brush);
-        let gate = match &brush.gate {
-            Some(gate) => Some(Arc::new(GatePlan::new(gate, canvas.grid, canvas.heights, canvas.selection)?)),
-            None => None,
+        let plan = |gate: Option<&Gate>, image: Option<&Arc<Bitmap>>| -> Result<Option<Arc<GatePlan>>> {
+            let Some(gate) = gate else { return Ok(None) };
+            if gate.image.is_some() && image.is_none() {
+                return Err(missing(&brush, "image", "its picture was not loaded"));
+            }
+            let Canvas { grid, heights, selection, .. } = canvas;
+            Ok(Some(Arc::new(GatePlan::new(gate, grid, heights, selection, image.cloned())?)))
         };
-        Ok(Self { brush, seed, canvas, resources, gate, custom })
+        let gate = plan(brush.gate.as_deref(), resources.gate_image.as_ref())?;
+        let is_noise = brush.brush_type == BrushType::Noise;
+        let roughness = brush.noise.roughness.as_deref().filter(|_| is_noise);
+        let roughness = plan(roughness, resources.roughness_image.as_ref())?;
+        Ok(Self { brush, seed, canvas, resources, gate, roughness, custom })
     }
 
     /// What the kernel does; `anchor` is the stroke's first point, in samples.
@@ -191,6 +204,7 @@ impl Plan {
             field: self.canvas.field,
             is_mask: self.canvas.is_mask,
             gate: self.gate.clone(),
+            roughness: self.roughness.clone(),
         }
     }
 }
@@ -501,7 +515,7 @@ fn checked_num_pages(layout: PageLayout, rect: SampleRect) -> Result<u64> {
 ///
 /// # Errors
 /// [`Error::Field`] for a brush with a number that it cannot use, and with [`orogeny_field::Error::MissingField`] for one that
-/// needs a stroke: `ramp`, `stamp`, a noise that follows the stroke or goes with its instances, `level` and `ledge` without a
+/// needs a stroke: `ramp`, `stamp`, one with a bitmap, `level` and `ledge` without a
 /// height; [`Error::TooManyPages`] for a region beyond what one operation may change.
 pub fn plan_fill(
     brush: &Brush,
@@ -517,9 +531,6 @@ pub fn plan_fill(
     let needs_height = stage.needs_reference_height() || stage.needs_target_height();
     if needs_height && brush.height_m.is_none() {
         return Err(missing(brush, "height", "a fill has no stroke whose ground could give it"));
-    }
-    if brush.noise.direction.is_some_and(|direction| direction.follows_stroke) {
-        return Err(missing(brush, "points", "its noise follows the stroke, and a fill has none"));
     }
     if brush.alpha.is_some() {
         return Err(missing(

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, StrokePlanner, plan_fill, resolved};
-use orogeny_field::{BrushType, PageLayout, Stroke, TerrainGrid};
+use orogeny_field::{Brush, BrushType, PageLayout, Stroke, TerrainGrid};
 use orogeny_store::{EntryId, Layer, Recording};
 
 use crate::pages::RecordedPages;
@@ -202,6 +202,12 @@ fn apply_one(
     })
 }
 
+/// Whether a brush looks at the terrain's selection.
+fn needs_selection(brush: &Brush) -> bool {
+    let gates = [brush.gate.as_deref(), brush.noise.roughness.as_deref()];
+    gates.into_iter().flatten().any(|gate| gate.selection)
+}
+
 /// What an operation paints on. Makes the mask or the selection that it needs.
 fn canvas(
     operation: &Operation,
@@ -210,7 +216,7 @@ fn canvas(
     recording: &mut Recording<'_>,
 ) -> Result<Canvas> {
     let heights = Canvas::heights(site.grid, site.layout, layer.heights);
-    let needs_selection = operation.brush().gate.as_ref().is_some_and(|gate| gate.selection);
+    let needs_selection = needs_selection(operation.brush());
     let selection = if needs_selection || operation.target() == Target::Selection {
         Some(recording.selection()?)
     } else {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use orogeny_brush::{CustomProgram, Resources};
-use orogeny_field::{Bitmap, Brush, DataSource};
+use orogeny_field::{Bitmap, Brush, DataSource, Gate};
 use orogeny_shaders::custom::compile_custom;
 use orogeny_store::{BlobHash, Recording, Store};
 
@@ -24,19 +24,41 @@ const MAX_TEXT_BYTES: u64 = 1 << 20;
 pub(crate) fn load(brush: &Brush, recording: &mut Recording<'_>) -> Result<(Brush, Resources)> {
     let mut brush = brush.clone();
     let mut resources = Resources::default();
-    if let Some(alpha) = &mut brush.alpha {
-        let data = Data::of(&alpha.source, MAX_PICTURE_BYTES, recording)?;
-        let picture = orogeny_formats::read_bitmap(&data.bytes, &data.name)?;
-        let bitmap = Bitmap::new(picture.width(), picture.height(), picture.values().to_vec())?;
-        resources.alpha = Some(Arc::new(bitmap));
-        alpha.source = DataSource::Blake3(data.hash);
-    }
+    let alpha = brush.alpha.as_mut().map(|alpha| &mut alpha.source);
+    resources.alpha = picture(alpha, recording)?;
+    resources.gate_image = picture(image_of(brush.gate.as_deref_mut()), recording)?;
+    resources.roughness_image = picture(image_of(brush.noise.roughness.as_deref_mut()), recording)?;
     if let Some(custom) = &mut brush.custom {
         let data = Data::of(&custom.source, MAX_TEXT_BYTES, recording)?;
         resources.custom = Some(Arc::new(compile(data.bytes, &data.name, data.hash.clone())?));
         custom.source = DataSource::Blake3(data.hash);
     }
     Ok((brush, resources))
+}
+
+/// Reads the picture of a source, which names its content then.
+fn picture(source: Option<&mut DataSource>, recording: &mut Recording<'_>) -> Result<Option<Arc<Bitmap>>> {
+    let Some(source) = source else { return Ok(None) };
+    let data = Data::of(source, MAX_PICTURE_BYTES, recording)?;
+    let picture = orogeny_formats::read_bitmap(&data.bytes, &data.name)?;
+    let bitmap = Bitmap::new(picture.width(), picture.height(), picture.values().to_vec())?;
+    *source = DataSource::Blake3(data.hash);
+    Ok(Some(Arc::new(bitmap)))
+}
+
+fn image_of(gate: Option<&mut Gate>) -> Option<&mut DataSource> {
+    Some(&mut gate?.image.as_mut()?.source)
+}
+
+/// Everything that a brush names.
+fn sources(brush: &mut Brush) -> impl Iterator<Item = &mut DataSource> {
+    let all = [
+        brush.alpha.as_mut().map(|alpha| &mut alpha.source),
+        brush.custom.as_mut().map(|custom| &mut custom.source),
+        image_of(brush.gate.as_deref_mut()),
+        image_of(brush.noise.roughness.as_deref_mut()),
+    ];
+    all.into_iter().flatten()
 }
 
 /// Compiles the text of a custom brush.
@@ -50,11 +72,7 @@ pub(crate) fn compile(bytes: Vec<u8>, name: &str, identity: String) -> Result<Cu
 
 /// Makes relative file names relative to a folder.
 pub(crate) fn resolve_files(brush: &mut Brush, folder: &Path) {
-    let sources = [
-        brush.alpha.as_mut().map(|alpha| &mut alpha.source),
-        brush.custom.as_mut().map(|custom| &mut custom.source),
-    ];
-    for source in sources.into_iter().flatten() {
+    for source in sources(brush) {
         if let DataSource::File(file) = source {
             let joined = folder.join(&*file).to_string_lossy().into_owned();
             *file = joined;
@@ -67,11 +85,7 @@ pub(crate) fn resolve_files(brush: &mut Brush, folder: &Path) {
 /// # Errors
 /// [`Error::Store`] for data that is not there, [`Error::Write`].
 pub(crate) fn unpack(brush: &mut Brush, source: &Store, folder: &Path) -> Result<()> {
-    let sources = [
-        brush.alpha.as_mut().map(|alpha| &mut alpha.source),
-        brush.custom.as_mut().map(|custom| &mut custom.source),
-    ];
-    for data in sources.into_iter().flatten() {
+    for data in sources(brush) {
         let DataSource::Blake3(name) = data else { continue };
         let path = folder.join(&*name);
         let failed = |source| Error::Write { path: path.clone(), source };

@@ -36,9 +36,9 @@ mod stroke;
 pub use bitmap::{Bitmap, MAX_BITMAP_SIDE};
 pub use brush::{
     Alpha, AlphaRotation, AspectGate, Band, Blending, Brush, BrushType, Coverage, Custom, DataSource,
-    Dynamics, Falloff, FalloffFormula, Gate, HeightRange, Jitter, LedgeDirection, LevelOnly, NoiseGate,
-    PARAMETERS, Parameter, ParameterKind, PressureTarget, Profile, ProfileShape, RampAlong, RangeFormula,
-    RangeMap, RangeMapping, Stamp, StampMode, Symmetry, SymmetryKind, Terrace, TerraceSteps,
+    Dynamics, Falloff, FalloffFormula, Gate, GateImage, HeightRange, Jitter, LedgeDirection, LevelOnly,
+    NoiseGate, PARAMETERS, Parameter, ParameterKind, PressureTarget, Profile, ProfileShape, RampAlong,
+    RangeFormula, RangeMap, RangeMapping, Stamp, StampMode, Symmetry, SymmetryKind, Terrace, TerraceSteps,
 };
 pub use curve::{CURVE_TABLE_LENGTH, Curve, CurveTable, MAX_CURVE_POINTS};
 pub use error::{Error, Result};

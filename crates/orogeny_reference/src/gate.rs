@@ -1,7 +1,9 @@
 //! What a gate lets through at each sample of a row, 0..1: the product of its bands over slope, height, aspect and curvature of
 //! the ground. Derivatives are central differences; curvature is `-(H_xx + H_zz) / 2`.
 
-use orogeny_field::{AspectGate, Band, Gate};
+use orogeny_field::{AspectGate, Band, Bitmap, Gate};
+
+use crate::store::lerp;
 
 /// Three rows of heights, in metres, each with one sample more at either end than the row that is gated.
 #[derive(Debug, Clone, Copy)]
@@ -55,6 +57,24 @@ pub fn multiply_by_band(weights: &mut [f32], values: &[f32], band: &Band) {
 pub fn multiply_by_selection(weights: &mut [f32], selection: &[f32]) {
     for (weight, selected) in weights.iter_mut().zip(selection) {
         *weight *= selected.clamp(0.0, 1.0);
+    }
+}
+
+/// Multiplies a row of weights by a picture laid over the world, bilinear between the middles of its pixels: `first` is where
+/// the row's first sample lies in the picture, 0..1 along both sides, `step` how far one sample goes along x.
+pub fn multiply_by_image(weights: &mut [f32], bitmap: &Bitmap, [first_x, z]: [f64; 2], step: f64) {
+    let along = |share: f64, size: u32| {
+        let place = share * f64::from(size) - 0.5;
+        let pixel = place.floor();
+        (pixel as i32, (place - pixel) as f32)
+    };
+    let (row, share_z) = along(z, bitmap.height());
+    for (index, weight) in weights.iter_mut().enumerate() {
+        let (column, share_x) = along(first_x + index as f64 * step, bitmap.width());
+        let (right, below) = (column.saturating_add(1), row.saturating_add(1));
+        let upper = lerp(bitmap.pixel(column, row), bitmap.pixel(right, row), share_x);
+        let lower = lerp(bitmap.pixel(column, below), bitmap.pixel(right, below), share_x);
+        *weight *= lerp(upper, lower, share_z).clamp(0.0, 1.0);
     }
 }
 
@@ -127,6 +147,20 @@ mod tests {
         assert_eq!(through(&Gate { curvature_per_km: band(3.9, 4.1), ..Gate::default() }, dome), 1.0);
         assert_eq!(through(&Gate { curvature_per_km: band(-4.1, -3.9), ..Gate::default() }, dome), 0.0);
         assert_eq!(through(&Gate { height_m: band(-1.0, 1.0), ..Gate::default() }, dome), 1.0);
+    }
+
+    #[test]
+    fn a_picture_lies_over_its_region_and_its_border_goes_on() {
+        let bitmap = Bitmap::new(2, 2, vec![0.0, 1.0, 0.5, 0.5]).unwrap();
+        let row = |z: f64| {
+            let mut weights = [1.0; 5];
+            multiply_by_image(&mut weights, &bitmap, [-0.25, z], 0.25);
+            weights
+        };
+        // Middles of pixels lie at a quarter and three quarters.
+        assert_eq!(row(0.25), [0.0, 0.0, 0.0, 0.5, 1.0]);
+        assert_eq!(row(0.75), [0.5; 5]);
+        assert_eq!(row(-3.0), row(0.25));
     }
 
     #[test]

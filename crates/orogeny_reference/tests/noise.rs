@@ -198,7 +198,7 @@ fn turbulences_match_numpy() {
         for (place_of_lane, position) in places.iter_mut().zip(&positions) {
             *place_of_lane = place(&noise, *position);
         }
-        let found = turbulence::sum(&kernel, &Everywhere { kernel: &kernel, seed: noise.seed, places });
+        let found = turbulence::sum(&kernel, &Everywhere { kernel: &kernel, seed: noise.seed, places }, None);
         for (index, position) in positions.iter().enumerate() {
             let expected = number(&case["values"][index]);
             let distance = (found[index] - expected).abs();
@@ -226,7 +226,7 @@ fn percentiles_match_numpy() {
 /// The noise at a sample, in `f64` from the formulas as they stand.
 fn truth(noise: &Noise, kernel: &NoiseKernel, spacing_m: f64, samples: [[i32; 2]; LANES]) -> [f64; LANES] {
     let places = samples.map(|sample| place(noise, sample.map(|number| f64::from(number) * spacing_m)));
-    turbulence::sum(kernel, &Everywhere { kernel, seed: noise.seed, places })
+    turbulence::sum(kernel, &Everywhere { kernel, seed: noise.seed, places }, None)
 }
 
 /// How far `f32` may be off, as a share of the amplitude. Erosive and Jordan noise look an octave up where the slopes of those
@@ -273,7 +273,7 @@ fn rows_keep_their_precision_anywhere() {
                 let kernel = NoiseKernel::new(&noise, 2.0, [0.0; 2]).unwrap();
                 let frame = NoiseFrame::new(&kernel, noise.seed, 0, None);
                 let mut found = [f32::NAN; LANES];
-                row::row(&mut found, first_x, z, &kernel, &frame);
+                row::row(&mut found, first_x, z, &kernel, &frame, None);
                 let samples = std::array::from_fn(|lane| [first_x + lane as i32, z]);
                 let expected = truth(&noise, &kernel, 2.0, samples);
                 let amplitude: f64 = kernel.scales[..6].iter().map(|scale| scale.weight).sum();
@@ -297,11 +297,52 @@ fn a_row_is_the_same_however_it_is_cut() {
     let kernel = NoiseKernel::new(&noise, 1.0, [0.0; 2]).unwrap();
     let frame = NoiseFrame::new(&kernel, 9, 0, None);
     let mut whole = [f32::NAN; 300];
-    row::row(&mut whole, 1000, 77, &kernel, &frame);
+    row::row(&mut whole, 1000, 77, &kernel, &frame, None);
     for (first, end) in [(0, 1), (5, 40), (31, 33), (100, 300), (24, 88)] {
         let mut part = vec![f32::NAN; end - first];
-        row::row(&mut part, 1000 + first as i32, 77, &kernel, &frame);
+        row::row(&mut part, 1000 + first as i32, 77, &kernel, &frame, None);
         let same = part.iter().zip(&whole[first..end]).all(|(a, b)| a.to_bits() == b.to_bits());
         assert!(same, "{first}..{end}");
+    }
+}
+
+/// A roughness weighs octave `l` by its `l`-th power, whatever the turbulence.
+#[test]
+fn a_roughness_of_one_is_none_and_of_zero_leaves_the_first_octave() {
+    for turbulence in Turbulence::ALL {
+        let with = |octaves| Noise {
+            turbulence,
+            octaves,
+            feature_size_m: 60.0,
+            normalization: Normalization::Off,
+            ..Noise::default()
+        };
+        let of = |noise: &Noise, roughness: Option<&[f32]>| {
+            let kernel = NoiseKernel::new(noise, 1.0, [0.0; 2]).unwrap();
+            let frame = NoiseFrame::new(&kernel, 3, 0, None);
+            let mut values = [f32::NAN; 100];
+            row::row(&mut values, 77, 9, &kernel, &frame, roughness);
+            values
+        };
+        let whole = of(&with(4), None);
+        assert_eq!(of(&with(4), Some(&[1.0; 100])), whole, "{turbulence:?}");
+        assert_ne!(of(&with(4), Some(&[0.5; 100])), whole, "{turbulence:?}");
+        // A product has a factor for each octave, however little it weighs.
+        if turbulence != Turbulence::Multiplicative {
+            assert_eq!(of(&with(4), Some(&[0.0; 100])), of(&with(1), None), "{turbulence:?}");
+        }
+    }
+    // Half as rough is a gain half as large.
+    let half = Noise { gain: Gain::Given(0.3), octaves: 4, feature_size_m: 60.0, ..Noise::default() };
+    let full = Noise { gain: Gain::Given(0.6), ..half.clone() };
+    let of = |noise: &Noise, roughness: Option<&[f32]>| {
+        let kernel = NoiseKernel::new(noise, 1.0, [0.0; 2]).unwrap();
+        let frame = NoiseFrame::new(&kernel, 3, 0, None);
+        let mut values = [f32::NAN; 100];
+        row::row(&mut values, 5, 9, &kernel, &frame, roughness);
+        values
+    };
+    for (a, b) in of(&full, Some(&[0.5; 100])).into_iter().zip(of(&half, None)) {
+        assert!((a - b).abs() < 1.0e-5, "{a} {b}");
     }
 }

@@ -183,12 +183,16 @@ impl GpuExecutor {
         store: &mut dyn PageStore,
     ) -> Result<usize> {
         let is_wash = batch.pass.weight_mode() == WeightMode::Wash;
+        let has_scratch = is_wash || batch.pass.roughness.is_some();
         self.await_pages(works, store)?;
         let mut encoder = self.encoder();
         let mut resident =
             self.heights.make_resident(&self.gpu, &mut encoder, &mut self.belt, works, store)?;
         if is_wash && matches!(resident, Resident::All) {
             resident = self.scratch.make_resident(&self.gpu, &mut encoder, &mut self.belt, works, store)?;
+        }
+        if let (Some(roughness), Resident::All) = (&batch.pass.roughness, &resident) {
+            resident = self.scratch.make_rough(&self.gpu, &mut encoder, works, roughness, store)?;
         }
         if let (Some(gate), Resident::All) = (&batch.pass.gate, &resident) {
             resident = self.gates.make_resident(&self.gpu, &mut encoder, works, gate, store)?;
@@ -207,7 +211,7 @@ impl GpuExecutor {
             num_taken += 1;
             let Some(slot) = self.heights.slot(&work.key) else { continue };
             let nowhere = Slot { array: 0, layer: 0 };
-            let scratch_slot = self.scratch.slot(&work.key).filter(|_| is_wash).unwrap_or(nowhere);
+            let scratch_slot = self.scratch.slot(&work.key).filter(|_| has_scratch).unwrap_or(nowhere);
             let gate_slot =
                 batch.pass.gate.as_ref().and_then(|_| self.gates.slot(&work.key)).unwrap_or(nowhere);
             let arrays = Arrays { heights: slot.array, scratch: scratch_slot.array, gates: gate_slot.array };
@@ -378,8 +382,8 @@ impl GpuExecutor {
     }
 
     fn num_slots(&self, pass: &Pass) -> usize {
-        let scratch =
-            if pass.weight_mode() == WeightMode::Wash { self.scratch.num_slots() } else { usize::MAX };
+        let has_scratch = pass.weight_mode() == WeightMode::Wash || pass.roughness.is_some();
+        let scratch = if has_scratch { self.scratch.num_slots() } else { usize::MAX };
         let gates = if pass.gate.is_some() { self.gates.num_slots() } else { usize::MAX };
         self.heights.num_slots().min(scratch).min(gates)
     }

@@ -167,6 +167,32 @@ impl Scratch {
         Ok(Resident::All)
     }
 
+    /// Makes the roughness of a noise resident, which has no wash, where a wash has its heights from before. It is worked out
+    /// anew where it had to make room.
+    pub(super) fn make_rough(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        works: &[PageWork],
+        roughness: &GatePlan,
+        store: &mut dyn PageStore,
+    ) -> Result<Resident> {
+        let mut uploads = Uploads::new(self.layout);
+        let mut admitted = Vec::new();
+        for key in absent(&mut self.residency, works) {
+            let Some(Admitted { slot, .. }) = self.residency.admit(key) else { continue };
+            admitted.push(key);
+            if let Err(err) = self.before.prepare(gpu, slot) {
+                admitted.iter().for_each(|key| self.residency.forget(key));
+                return Ok(Resident::TextureMemoryShort(err));
+            }
+            let input = roughness.load(&key, store)?;
+            uploads.add_or_constant(Ok(Some(roughness.page(&key, self.layout, &input))), 1.0, slot)?;
+        }
+        uploads.record(gpu, encoder, &self.before)?;
+        Ok(Resident::All)
+    }
+
     /// Gives up the slots whose textures were never made; whether there were any.
     pub(super) fn shrink_to_existing(&mut self) -> bool {
         let num_slots = self.num_slots();

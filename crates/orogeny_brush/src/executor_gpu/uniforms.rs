@@ -41,7 +41,7 @@ pub(super) fn own_data(batch: &Batch) -> OwnData {
         Rule::Level { target_height_m, only } => level::data(*target_height_m, *only),
         Rule::Ramp { along, only } => ramp::data(*along, *only),
         Rule::Roughen { seed } => roughen::data(*seed),
-        Rule::Noise(kernel) => noise::data(kernel, &batch.frames),
+        Rule::Noise(kernel) => noise::data(kernel, &batch.frames, batch.pass.roughness.is_some()),
         Rule::Terrace(steps) => terrace::data(steps),
         Rule::RangeMap(range) => range_map::data(range),
         Rule::Stamp { scale_m, mode, .. } => stamp::data(*scale_m, *mode),

@@ -50,7 +50,7 @@ impl From<&NoiseKernel> for NoiseUniform {
 }
 
 /// What does not depend on the tiles: the uniform, the frames, and the steps along the lattices.
-pub(crate) fn data(kernel: &NoiseKernel, frames: &[NoiseFrame]) -> OwnData {
+pub(crate) fn data(kernel: &NoiseKernel, frames: &[NoiseFrame], is_rough: bool) -> OwnData {
     let rows = |direction| (0..kernel.slots.len()).map(move |slot| (direction, slot));
     let steps: Vec<LatticeStep> = (0..kernel.num_directions())
         .flat_map(rows)
@@ -64,6 +64,7 @@ pub(crate) fn data(kernel: &NoiseKernel, frames: &[NoiseFrame]) -> OwnData {
         ("FOLLOWS_STROKE", u32::from(kernel.num_directions() > 1)),
         ("HAS_TRANSFER", u32::from(kernel.transfer.is_some())),
         ("HAS_CURVE", u32::from(kernel.curve.is_some())),
+        ("HAS_ROUGHNESS", u32::from(is_rough)),
     ]);
     data.storage = vec![bytemuck::cast_slice(&octaves).to_vec(), bytemuck::cast_slice(&steps).to_vec()];
     data

@@ -90,11 +90,11 @@ mod tests {
     #[test]
     fn what_is_saved_is_there_the_next_time_under_any_spelling() {
         let (_folder, mut presets) = library();
-        let ridge = preset("Alpine ridge", r#"{"type": "raise", "radius": 33}"#);
+        let ridge = preset("Lone ridge", r#"{"type": "raise", "radius": 33}"#);
         let file = presets.save(&ridge, false).unwrap();
-        assert!(file.ends_with("alpine-ridge.json"), "{}", file.display());
+        assert!(file.ends_with("lone-ridge.json"), "{}", file.display());
         let again = Presets::open(presets.folder().map(Path::to_owned));
-        for name in ["Alpine ridge", "ALPINE RIDGE", "alpine-ridge"] {
+        for name in ["Lone ridge", "LONE RIDGE", "lone-ridge"] {
             assert_eq!(again.get(name).unwrap().preset, ridge);
             assert_eq!(presets.get(name).unwrap().preset, ridge);
         }

@@ -1,5 +1,6 @@
 //! Gates: where a brush may act, by the ground as it was before the stroke.
 
+use super::DataSource;
 use crate::noise::Noise;
 
 /// A range with soft ends: 1 within it, 0 further than the feather outside, a smooth step between.
@@ -33,6 +34,15 @@ pub struct NoiseGate {
     pub band: Band,
 }
 
+/// A picture laid over the world: its values, 0..1, and those of its border beyond it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GateImage {
+    /// The picture.
+    pub source: DataSource,
+    /// Where it lies: `[x, z, width, depth]` in metres.
+    pub region_m: [f64; 4],
+}
+
 /// Where a brush may act: the product of all that are given.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Gate {
@@ -48,6 +58,8 @@ pub struct Gate {
     pub noise: Option<NoiseGate>,
     /// The terrain's selection.
     pub selection: bool,
+    /// A picture.
+    pub image: Option<GateImage>,
     /// Whether it acts where it otherwise would not.
     pub is_inverted: bool,
 }

@@ -10,7 +10,7 @@ mod profile;
 mod settings;
 
 pub use catalog::{PARAMETERS, Parameter, ParameterKind};
-pub use gate::{AspectGate, Band, Gate, NoiseGate};
+pub use gate::{AspectGate, Band, Gate, GateImage, NoiseGate};
 pub use profile::{Falloff, FalloffFormula, Profile, ProfileShape};
 pub use settings::{
     Alpha, AlphaRotation, Custom, DataSource, Dynamics, HeightRange, Jitter, LedgeDirection, LevelOnly,

@@ -13,7 +13,7 @@ pub use kernel::{
     skewed,
 };
 
-use crate::Curve;
+use crate::{Curve, Gate};
 
 /// What one octave is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -174,6 +174,8 @@ pub struct Noise {
     pub offset_m: [f64; 2],
     /// Degrees by which the pattern is turned from x towards z.
     pub rotation_deg: f64,
+    /// How rough it is where, 0..1: each octave's weight is multiplied by it once more than that of the one before.
+    pub roughness: Option<Box<Gate>>,
 }
 
 impl Default for Noise {
@@ -197,6 +199,7 @@ impl Default for Noise {
             direction: None,
             offset_m: [0.0; 2],
             rotation_deg: 0.0,
+            roughness: None,
         }
     }
 }

@@ -58,7 +58,11 @@ pub fn normalization(noise: &Noise) -> (f64, f64) {
             let index = first + lane;
             [EXTENT_CELLS * radical_inverse(index, 2), EXTENT_CELLS * radical_inverse(index, 3)]
         });
-        values.extend(turbulence::sum(&kernel, &HaltonPoints { kernel: &kernel, seed: noise.seed, points }));
+        values.extend(turbulence::sum(
+            &kernel,
+            &HaltonPoints { kernel: &kernel, seed: noise.seed, points },
+            None,
+        ));
     }
     values.sort_unstable_by(f64::total_cmp);
     let percentile = |index: usize| values.get(index).copied().unwrap_or_default();

@@ -86,11 +86,18 @@ impl Places<f32> for BlockRow<'_> {
     }
 }
 
-/// Writes a noise, normalised and put through its curve, for all samples of row `row`, 0..32, of a block.
+/// Writes a noise, normalised and put through its curve, for all samples of row `row`, 0..32, of a block, as rough as
+/// `roughness`, 0..1, says.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
-pub fn block_row(values: &mut [f32; LANES], row: u32, kernel: &NoiseKernel, block: &LatticeBlock) {
+pub fn block_row(
+    values: &mut [f32; LANES],
+    row: u32,
+    kernel: &NoiseKernel,
+    block: &LatticeBlock,
+    roughness: Option<&[f32; LANES]>,
+) {
     let (offset, scale) = (kernel.offset as f32, kernel.scale as f32);
-    let sums = turbulence::sum(kernel, &BlockRow { kernel, block, row: row as f32 });
+    let sums = turbulence::sum(kernel, &BlockRow { kernel, block, row: row as f32 }, roughness);
     for (value, sum) in values.iter_mut().zip(sums) {
         *value = (sum - offset) * scale;
     }
@@ -101,22 +108,37 @@ pub fn block_row(values: &mut [f32; LANES], row: u32, kernel: &NoiseKernel, bloc
     }
 }
 
-/// Writes a noise for the samples `first_x ..` of row `z`, both within a terrain.
-pub fn row(values: &mut [f32], first_x: i32, z: i32, kernel: &NoiseKernel, frame: &NoiseFrame) {
+/// Writes a noise for the samples `first_x ..` of row `z`, both within a terrain, as rough as `roughness` says where it is
+/// given: one number a sample.
+pub fn row(
+    values: &mut [f32],
+    first_x: i32,
+    z: i32,
+    kernel: &NoiseKernel,
+    frame: &NoiseFrame,
+    roughness: Option<&[f32]>,
+) {
     let block_side = LATTICE_BLOCK.cast_signed();
-    let mut whole = [0.0; LANES];
+    let (mut whole, mut rough) = ([0.0; LANES], [0.0; LANES]);
     let mut x = first_x;
     let mut rest = values;
+    let mut num_done = 0;
     while !rest.is_empty() {
         let within = x.rem_euclid(block_side) as usize;
         let num_samples = rest.len().min(LANES - within);
         let (part, after) = rest.split_at_mut(num_samples);
         let block = LatticeBlock::around([x, z], kernel, frame);
-        block_row(&mut whole, z.rem_euclid(block_side).cast_unsigned(), kernel, &block);
+        let known = roughness.and_then(|roughness| roughness.get(num_done..num_done + num_samples));
+        if let (Some(known), Some(rough)) = (known, rough.get_mut(within..within + num_samples)) {
+            rough.copy_from_slice(known);
+        }
+        let row = z.rem_euclid(block_side).cast_unsigned();
+        block_row(&mut whole, row, kernel, &block, roughness.map(|_| &rough));
         if let Some(whole) = whole.get(within..within + num_samples) {
             part.copy_from_slice(whole);
         }
         rest = after;
+        num_done += num_samples;
         x += num_samples as i32;
     }
 }

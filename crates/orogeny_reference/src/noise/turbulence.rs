@@ -48,20 +48,20 @@ struct Values<T> {
     dy: Lanes<T>,
 }
 
-/// The raw sum at each sample of a group: `T(p + weight (D1, D2))`.
+/// The raw sum at each sample of a group: `T(p + weight (D1, D2))`; with a roughness `r`, 0..1, octave `l` weighs `w^l r^l`.
 #[inline(always)]
-pub fn sum<T: Real>(kernel: &NoiseKernel, places: &impl Places<T>) -> Lanes<T> {
+pub fn sum<T: Real>(kernel: &NoiseKernel, places: &impl Places<T>, roughness: Option<&Lanes<T>>) -> Lanes<T> {
     let zero = T::of(0.0);
     let mut shift = [[zero; LANES]; 2];
     if kernel.slots.distortion > 0 {
         let weight = T::of(kernel.distortion_weight);
         for (m, shift) in [1, 2].into_iter().zip(&mut shift) {
-            *shift =
-                sum_of(kernel, kernel.distortion_turbulence, m, places, None).map(|number| weight * number);
+            *shift = sum_of(kernel, kernel.distortion_turbulence, m, places, None, None)
+                .map(|number| weight * number);
         }
-        sum_of(kernel, kernel.turbulence, 0, places, Some(&shift))
+        sum_of(kernel, kernel.turbulence, 0, places, Some(&shift), roughness)
     } else {
-        sum_of(kernel, kernel.turbulence, 0, places, None)
+        sum_of(kernel, kernel.turbulence, 0, places, None, roughness)
     }
 }
 
@@ -73,12 +73,14 @@ fn sum_of<T: Real>(
     m: u32,
     places: &impl Places<T>,
     shift: Option<&[Lanes<T>; 2]>,
+    roughness: Option<&Lanes<T>>,
 ) -> Lanes<T> {
     let summing = Summing {
         kernel,
         m,
         places,
         shift,
+        roughness,
         num_octaves: if m == 0 { kernel.slots.main } else { kernel.slots.distortion },
     };
     match turbulence {
@@ -100,6 +102,7 @@ struct Summing<'a, T, P> {
     m: u32,
     places: &'a P,
     shift: Option<&'a [Lanes<T>; 2]>,
+    roughness: Option<&'a Lanes<T>>,
     num_octaves: u32,
 }
 
@@ -108,6 +111,16 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
     fn weight(&self, l: u32) -> T {
         let slot = self.kernel.slots.index(self.m, l);
         T::of(self.kernel.scales.get(slot).map_or(0.0, |scale| scale.weight))
+    }
+
+    /// What octave `l` weighs at each sample, from what the one before it did without its own weight.
+    #[inline(always)]
+    fn rougher(&self, l: u32, power: &mut Lanes<T>) {
+        if let Some(roughness) = self.roughness.filter(|_| l > 0) {
+            for (power, roughness) in power.iter_mut().zip(roughness) {
+                *power = *power * *roughness;
+            }
+        }
     }
 
     #[inline(always)]
@@ -146,12 +159,13 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
 
     #[inline(always)]
     fn plain(&self, of: impl Fn(T) -> T) -> Lanes<T> {
-        let mut sum = [T::of(0.0); LANES];
+        let (mut sum, mut power) = ([T::of(0.0); LANES], [T::of(1.0); LANES]);
         for l in 0..self.num_octaves {
             let weight = self.weight(l);
+            self.rougher(l, &mut power);
             let values = self.octave::<false>(l, None);
-            for (sum, value) in sum.iter_mut().zip(values.value) {
-                *sum += weight * of(value);
+            for ((sum, power), value) in sum.iter_mut().zip(power).zip(values.value) {
+                *sum += weight * power * of(value);
             }
         }
         sum
@@ -161,12 +175,13 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
     #[inline(always)]
     fn quilez(&self) -> Lanes<T> {
         let zero = T::of(0.0);
-        let (mut sum, mut slope) = ([zero; LANES], [[zero; LANES]; 2]);
+        let (mut sum, mut slope, mut power) = ([zero; LANES], [[zero; LANES]; 2], [T::of(1.0); LANES]);
         for l in 0..self.num_octaves {
             let weight = self.weight(l);
+            self.rougher(l, &mut power);
             let values = self.octave::<true>(l, None);
             let [slope_x, slope_y] = &mut slope;
-            for lane in 0..LANES {
+            for (lane, power) in power.iter().enumerate() {
                 let Some((sum, [value, dx, dy], [slope_x, slope_y])) =
                     of_lane(lane, &mut sum, &values, slope_x, slope_y)
                 else {
@@ -174,7 +189,7 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
                 };
                 *slope_x += dx;
                 *slope_y += dy;
-                *sum += weight * value / (T::of(1.0) + (*slope_x * *slope_x + *slope_y * *slope_y));
+                *sum += weight * *power * value / (T::of(1.0) + (*slope_x * *slope_x + *slope_y * *slope_y));
             }
         }
         sum
@@ -187,18 +202,20 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
         let gain = T::of(self.gain());
         let warp = T::of(EROSIVE_WARP);
         let (mut sum, mut slope, mut weight) = ([zero; LANES], [[zero; LANES]; 2], [one; LANES]);
+        let mut power = [one; LANES];
         for l in 0..self.num_octaves {
+            self.rougher(l, &mut power);
             let bend = slope.map(|slope| slope.map(|number| warp * number));
             let values = self.octave::<true>(l, Some((&bend, self.frequency(l))));
             let [slope_x, slope_y] = &mut slope;
-            for (lane, weight) in weight.iter_mut().enumerate() {
+            for (lane, (weight, power)) in weight.iter_mut().zip(power).enumerate() {
                 let Some((sum, [value, dx, dy], [slope_x, slope_y])) =
                     of_lane(lane, &mut sum, &values, slope_x, slope_y)
                 else {
                     continue;
                 };
-                *sum += *weight * (one - value.abs().least(one));
-                let down = -(*weight * value);
+                *sum += *weight * power * (one - value.abs().least(one));
+                let down = -(*weight * power * value);
                 *slope_x += down * dx;
                 *slope_y += down * dy;
                 *weight = *weight * gain * (T::of(EROSIVE_ROUGHNESS) * *sum).most(zero).least(one);
@@ -213,9 +230,10 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
         let (zero, one) = (T::of(0.0), T::of(1.0));
         let gain = T::of(self.gain());
         let (mut sum, mut bend, mut damp) = ([zero; LANES], [[zero; LANES]; 2], [[zero; LANES]; 2]);
-        let mut weight = [one; LANES];
+        let (mut weight, mut power) = ([one; LANES], [one; LANES]);
         let mut amplitude = T::of(JORDAN_FIRST_GAIN);
         for l in 0..self.num_octaves {
+            self.rougher(l, &mut power);
             let values = self.octave::<true>(l, (l > 0).then_some((&bend, one)));
             let (warp, damping) = if l == 0 {
                 (T::of(JORDAN_FIRST_WARP), one)
@@ -224,13 +242,13 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
                 (T::of(JORDAN_WARP), T::of(JORDAN_DAMP))
             };
             let ([bend_x, bend_y], [damp_x, damp_y]) = (&mut bend, &mut damp);
-            for (lane, (bend_x, bend_y)) in bend_x.iter_mut().zip(bend_y).enumerate() {
+            for (lane, ((bend_x, bend_y), power)) in bend_x.iter_mut().zip(bend_y).zip(power).enumerate() {
                 let (Some((sum, [value, dx, dy], [damp_x, damp_y])), Some(weight)) =
                     (of_lane(lane, &mut sum, &values, damp_x, damp_y), weight.get_mut(lane))
                 else {
                     continue;
                 };
-                *sum += *weight * value * value;
+                *sum += *weight * power * value * value;
                 *bend_x += warp * value * dx;
                 *bend_y += warp * value * dy;
                 *damp_x += damping * value * dx;
@@ -263,12 +281,13 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
 
     #[inline(always)]
     fn folded(&self, first: T, next: impl Fn(u32, T, T, T) -> T) -> Lanes<T> {
-        let mut sum = [first; LANES];
+        let (mut sum, mut power) = ([first; LANES], [T::of(1.0); LANES]);
         for l in 0..self.num_octaves {
             let weight = self.weight(l);
+            self.rougher(l, &mut power);
             let values = self.octave::<false>(l, None);
-            for (sum, value) in sum.iter_mut().zip(values.value) {
-                *sum = next(l, weight, *sum, value);
+            for ((sum, power), value) in sum.iter_mut().zip(power).zip(values.value) {
+                *sum = next(l, weight * power, *sum, value);
             }
         }
         sum
@@ -279,12 +298,14 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
     fn hybrid(&self) -> Lanes<T> {
         let (zero, one) = (T::of(0.0), T::of(1.0));
         let elevation = T::of(self.kernel.elevation);
-        let (mut sum, mut share) = ([zero; LANES], [one; LANES]);
+        let (mut sum, mut share, mut power) = ([zero; LANES], [one; LANES], [one; LANES]);
         for l in 0..self.num_octaves {
             let weight = self.weight(l);
+            self.rougher(l, &mut power);
             let values = self.octave::<false>(l, None);
-            for ((sum, share), value) in sum.iter_mut().zip(&mut share).zip(values.value) {
-                let signal = (value + elevation) * weight;
+            for (((sum, share), power), value) in sum.iter_mut().zip(&mut share).zip(power).zip(values.value)
+            {
+                let signal = (value + elevation) * (weight * power);
                 let least = share.least(one);
                 *sum += least * signal;
                 *share = least * signal;

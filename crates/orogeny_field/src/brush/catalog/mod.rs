@@ -15,7 +15,8 @@ const MAX_HEIGHT: f64 = crate::MAX_HEIGHT_M as f64;
 
 /// The tables of parameters: those that all brushes share, then those of single types. A name that stands twice has another
 /// meaning for other brushes.
-pub const PARAMETERS: [&[Parameter]; 3] = [stroke::PARAMETERS, ground::PARAMETERS, noise::PARAMETERS];
+pub const PARAMETERS: [&[Parameter]; 4] =
+    [stroke::PARAMETERS, ground::PARAMETERS, noise::PARAMETERS, noise::BY_GROUND];
 
 impl Parameter {
     /// The parameters of one brush type, in the table's order.

@@ -2,6 +2,7 @@
 
 use super::MAX_RADIUS_M;
 use super::kind::{Parameter, ParameterKind, number, optional_number, parameter};
+use super::stroke::ROUGHNESS;
 use crate::brush::BrushType;
 use crate::noise::MAX_OCTAVES;
 
@@ -14,6 +15,13 @@ const fn octaves(default: u32) -> ParameterKind {
 
 /// -1..1 to about -1..1.
 const SIGNED: ParameterKind = ParameterKind::Curve { x: (-1.0, 1.0), y: (-4.0, 4.0) };
+
+/// What a noise has by the ground, which that of a gate has not.
+pub(super) const BY_GROUND: &[Parameter] = &[of_noise(parameter(
+    "roughness",
+    ParameterKind::Object { parameters: ROUGHNESS },
+    "how rough it is where: a gate, whose weight multiplies that of each octave once more than that of the one before",
+))];
 
 /// A noise by itself.
 pub(super) const NOISE: &[Parameter] = PARAMETERS;

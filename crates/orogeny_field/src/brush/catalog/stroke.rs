@@ -198,8 +198,47 @@ const GATE: &[Parameter] = &[
         "how the ground bends: positive on crests, negative in hollows",
     ),
     parameter("noise", ParameterKind::Object { parameters: NOISE_GATE }, "a noise, normalised"),
+    parameter(
+        "image",
+        ParameterKind::Object { parameters: IMAGE },
+        "a picture laid over the world, white 1 and black 0",
+    ),
     parameter("selection", ParameterKind::Flag { default: false }, "the terrain's selection"),
     parameter("inverted", ParameterKind::Flag { default: false }, "acts where it otherwise would not"),
+];
+
+/// Those of a gate but for its noise: tables cannot hold themselves.
+pub(super) const ROUGHNESS: &[Parameter] = &[
+    parameter("slope", ParameterKind::Object { parameters: band!(0.0, 90.0, "°") }, "steepness"),
+    parameter(
+        "height",
+        ParameterKind::Object { parameters: band!(FULL_HEIGHT.0, FULL_HEIGHT.1, "m") },
+        "height",
+    ),
+    parameter("aspect", ParameterKind::Object { parameters: ASPECT }, "which way the ground falls"),
+    parameter(
+        "curvature",
+        ParameterKind::Object { parameters: band!(-1.0e6, 1.0e6, "1/km") },
+        "how the ground bends: positive on crests, negative in hollows",
+    ),
+    parameter(
+        "image",
+        ParameterKind::Object { parameters: IMAGE },
+        "a picture laid over the world, white 1 and black 0",
+    ),
+    parameter("selection", ParameterKind::Flag { default: false }, "the terrain's selection"),
+    parameter("inverted", ParameterKind::Flag { default: false }, "acts where it otherwise would not"),
+];
+
+const IMAGE: &[Parameter] = &[
+    parameter("file", ParameterKind::Text, "the picture: PNG or EXR"),
+    parameter("blake3", ParameterKind::Text, "name of its content, where it is kept with the terrain"),
+    parameter(
+        "region",
+        ParameterKind::Numbers { min: -MAX_RADIUS_M, max: MAX_RADIUS_M, default: &[0.0, 0.0, 0.0, 0.0] },
+        "where it lies: [x, z, width, depth]",
+    )
+    .in_unit("m"),
 ];
 
 const ASPECT: &[Parameter] = &[

@@ -241,7 +241,11 @@ impl<'a> Fields<'a> {
                 Err(self.refused("file", file, "give either `file` or `blake3`".to_owned()))
             }
             (None, None) => {
-                let field = if self.path.is_empty() { "file" } else { "alpha.file" };
+                let field = match self.path.as_str() {
+                    "" => "file",
+                    "alpha." => "alpha.file",
+                    _ => "image.file",
+                };
                 Err(Error::MissingField { brush: self.brush_type.name(), field, why })
             }
         }

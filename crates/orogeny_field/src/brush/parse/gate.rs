@@ -4,8 +4,9 @@ use serde_json::{Map, Value, json};
 
 use super::fields::Fields;
 use super::noise;
+use super::write::source;
 use crate::Result;
-use crate::brush::{AspectGate, Band, Gate, NoiseGate};
+use crate::brush::{AspectGate, Band, Gate, GateImage, NoiseGate};
 use crate::noise::Seeding;
 
 pub(super) fn read(fields: &Fields<'_>) -> Result<Gate> {
@@ -42,7 +43,20 @@ pub(super) fn read(fields: &Fields<'_>) -> Result<Gate> {
             Some(NoiseGate { noise: pattern, band: band(&fields)? })
         }
     };
+    let image = match fields.object("image")? {
+        None => None,
+        Some(fields) => {
+            let region_m: [f64; 4] = fields.numbers("region")?;
+            let [.., width_m, depth_m] = region_m;
+            if width_m <= 0.0 || depth_m <= 0.0 {
+                let limit = "it must be [x, z, width, depth] in metres, width and depth above 0".to_owned();
+                return Err(fields.refused("region", format!("{region_m:?}"), limit));
+            }
+            Some(GateImage { source: fields.source("it is the picture")?, region_m })
+        }
+    };
     Ok(Gate {
+        image,
         slope_deg: named("slope")?,
         height_m: named("height")?,
         aspect,
@@ -82,6 +96,10 @@ pub(super) fn write(gate: &Gate) -> Value {
             object.insert("pattern".to_owned(), Value::Object(noise::write(noise)));
         }
         object.insert("noise".to_owned(), value);
+    }
+    if let Some(image) = &gate.image {
+        let (name, source) = source(&image.source);
+        object.insert("image".to_owned(), json!({ name: source, "region": image.region_m }));
     }
     object.insert("selection".to_owned(), gate.selection.into());
     object.insert("inverted".to_owned(), gate.is_inverted.into());

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::fields::Fields;
+use super::gate;
 use super::write::{curve, word};
 use crate::Result;
 use crate::noise::{Basis, Distortion, Gain, Noise, NoiseDirection, Normalization, Seeding, Turbulence};
@@ -54,6 +55,7 @@ pub(super) fn read(fields: &Fields<'_>) -> Result<Noise> {
         direction,
         offset_m: fields.numbers("offset")?,
         rotation_deg: fields.number("rotation")?,
+        roughness: fields.object("roughness")?.map(|fields| gate::read(&fields)).transpose()?.map(Box::new),
     })
 }
 

@@ -92,6 +92,9 @@ impl Brush {
         }
         if self.brush_type == BrushType::Noise {
             object.append(&mut noise::write(&self.noise));
+            if let Some(roughness) = &self.noise.roughness {
+                object.insert("roughness".to_owned(), gate::write(roughness));
+            }
         }
         object
     }
@@ -127,7 +130,7 @@ fn dynamics(dynamics: &Dynamics) -> Value {
 }
 
 /// The field and the text of data from outside.
-fn source(source: &DataSource) -> (&'static str, &str) {
+pub(super) fn source(source: &DataSource) -> (&'static str, &str) {
     match source {
         DataSource::File(file) => ("file", file),
         DataSource::Blake3(hash) => ("blake3", hash),
