@@ -411,7 +411,10 @@ impl StrokePlanner {
                 (-(strength * touch.flow).min(MAX_BUILD_UP)).ln_1p() * share
             }
             (Coverage::Blending, WeightMode::Wash) => strength,
-            (Coverage::Blending, WeightMode::Direct) => strength * touch.flow,
+            // One that rests acts by its time, as the others of an airbrush do.
+            (Coverage::Blending, WeightMode::Direct) => {
+                strength * touch.flow * place.rested_s.map_or(1.0, |_| share)
+            }
         };
         let flow = if touch.flow < 1.0 { 1.0 - (1.0 - touch.flow).powf(share) } else { 1.0 };
         let reference_height_m = match brush.height_m {

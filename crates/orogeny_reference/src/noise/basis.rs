@@ -34,10 +34,11 @@ const SPARSE_IMPULSES: u32 = 2;
 #[inline(always)]
 fn direction<T: Real>(bits: u32) -> [T; 2] {
     let (long, short) = (T::of(0.923_879_532_511_286_7), T::of(0.382_683_432_365_089_8));
-    let k = bits >> 29;
-    let is_swapped = ((k + 1) >> 1) & 1 == 1;
+    // In terms of the bits of `k`, from the topmost: y is negative by the first, x by the first or the second but not both, and
+    // the two change places by the second or the third but not both.
+    let is_swapped = ((bits << 1) ^ (bits << 2)).cast_signed() < 0;
     let (x, y) = if is_swapped { (short, long) } else { (long, short) };
-    [if ((k + 2) >> 2) & 1 == 1 { -x } else { x }, if k >> 2 == 1 { -y } else { y }]
+    [x.turned_by(bits ^ (bits << 1)), y.turned_by(bits)]
 }
 
 /// The place within a cell of a random point, from 32 random bits: 16 for each axis, never on the cell's border.
@@ -244,10 +245,32 @@ fn edge<T: Real>([cx, cy, cw]: [u32; 3], seed: u32) -> [T; 3] {
     ]
 }
 
+/// Adds the corner of a tetrahedron that lies `steps` from the cell's, each of which leads `back` too far along all axes.
+#[inline(always)]
+fn add_corner<T: Real>(
+    [cx, cy, cw]: [u32; 3],
+    [x, y, w]: [T; 3],
+    [sx, sy, sw]: [bool; 3],
+    back: T,
+    seed: u32,
+    sum: &mut T,
+    slope: &mut [T; 3],
+) {
+    let (zero, one) = (T::of(0.0), T::of(1.0));
+    let way = [
+        x - if sx { one } else { zero } + back,
+        y - if sy { one } else { zero } + back,
+        w - if sw { one } else { zero } + back,
+    ];
+    let cell =
+        [cx.wrapping_add(u32::from(sx)), cy.wrapping_add(u32::from(sy)), cw.wrapping_add(u32::from(sw))];
+    corner(edge::<T>(cell, seed), way, sum, slope);
+}
+
 /// A plane through gradient noise over tetrahedra. Cells and fractions are skewed.
 #[inline(always)]
 pub fn simplex_3d<T: Real>([cx, cy, cw]: [u32; 3], [fx, fy, fw]: [T; 3], seed: u32) -> Sample<T> {
-    let (zero, one) = (T::of(0.0), T::of(1.0));
+    let zero = T::of(0.0);
     let unskew = T::of(1.0 / 6.0);
     let shift = (fx + fy + fw) * unskew;
     let (x0, y0, w0) = (fx - shift, fy - shift, fw - shift);
@@ -256,19 +279,11 @@ pub fn simplex_3d<T: Real>([cx, cy, cw]: [u32; 3], [fx, fy, fw]: [T; 3], seed: u
     let first = [xy && xw, !xy && yw, !xw && !yw];
     let second = [xy || xw, !xy || yw, !(xw && yw)];
     let (mut sum, mut slope) = (zero, [zero; 3]);
-    let mut add = |steps: [bool; 3], num_steps: f64| {
-        let [sx, sy, sw] = steps;
-        let [ix, iy, iw] = steps.map(u32::from);
-        let real = |step: bool| if step { one } else { zero };
-        let back = unskew * T::of(num_steps);
-        let way = [x0 - real(sx) + back, y0 - real(sy) + back, w0 - real(sw) + back];
-        let cell = [cx.wrapping_add(ix), cy.wrapping_add(iy), cw.wrapping_add(iw)];
-        corner(edge::<T>(cell, seed), way, &mut sum, &mut slope);
-    };
-    add([false; 3], 0.0);
-    add(first, 1.0);
-    add(second, 2.0);
-    add([true; 3], 3.0);
+    let (cell, origin) = ([cx, cy, cw], [x0, y0, w0]);
+    add_corner(cell, origin, [false; 3], zero, seed, &mut sum, &mut slope);
+    add_corner(cell, origin, first, unskew, seed, &mut sum, &mut slope);
+    add_corner(cell, origin, second, unskew + unskew, seed, &mut sum, &mut slope);
+    add_corner(cell, origin, [true; 3], unskew + unskew + unskew, seed, &mut sum, &mut slope);
     let scale = T::of(SIMPLEX_3D_SCALE);
     let [dx, dy, _] = slope;
     Sample { value: scale * sum, dx: scale * dx, dy: scale * dy }

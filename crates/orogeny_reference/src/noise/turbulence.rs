@@ -409,10 +409,12 @@ fn each<T: Real, P: Places<T>, L: Look, const GRADIENT: bool, const BENT: bool>(
             w += bend_x * along_x[2] + bend_y * along_y[2];
         }
         let (floor_x, floor_y, floor_w) = (x.floor(), y.floor(), w.floor());
+        // Only what is bent may lead far from its block.
+        let wrapped = |floor: T| if BENT { floor.wrapped() } else { floor.wrapped_near() };
         let cell = [
-            cell_x.wrapping_add(floor_x.wrapped()),
-            cell_y.wrapping_add(floor_y.wrapped()),
-            cell_w.wrapping_add(floor_w.wrapped()),
+            cell_x.wrapping_add(wrapped(floor_x)),
+            cell_y.wrapping_add(wrapped(floor_y)),
+            cell_w.wrapping_add(wrapped(floor_w)),
         ];
         let found = L::up(kernel, cell, [x - floor_x, y - floor_y, w - floor_w], seed);
         values.value[lane] = found.value;
