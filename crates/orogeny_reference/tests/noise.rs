@@ -346,3 +346,76 @@ fn a_roughness_of_one_is_none_and_of_zero_leaves_the_first_octave() {
         assert!((a - b).abs() < 1.0e-5, "{a} {b}");
     }
 }
+
+/// Values and gradients of a basis at many random places, a new seed for each thousand.
+fn many(basis: Basis) -> Vec<Sample<f64>> {
+    let mut bits = 1_u32;
+    let mut random = || {
+        bits = orogeny_field::hash::hash(bits, 7, 11);
+        f64::from(bits) / f64::from(u32::MAX)
+    };
+    (0..200_000_u32)
+        .map(|index| {
+            let place = [2000.0 * random() - 1000.0, 2000.0 * random() - 1000.0, 50.0 * random()];
+            sample(basis, place, index / 1000, [1.0, 0.0, 0.0, 0.0])
+        })
+        .collect()
+}
+
+#[test]
+fn every_basis_keeps_to_its_range_and_has_no_side() {
+    for (basis, limit, has_zero_mean) in [
+        (Basis::Gradient, 1.012, true),
+        // Catmull-Rom curves overshoot: at most (1 + 1/4) along each axis.
+        (Basis::Value, 1.5625, true),
+        (Basis::Worley, 1.0, false),
+        (Basis::Simplex, 1.000_001, true),
+        (Basis::Simplex3d, 1.000_001, true),
+        // Three standard deviations are 1; of bumps of bounded height, two a cell, no sum is much over three times that.
+        (Basis::Sparse, 3.0, true),
+    ] {
+        let samples = many(basis);
+        let count = samples.len() as f64;
+        let largest = samples.iter().map(|sample| sample.value.abs()).fold(0.0, f64::max);
+        assert!(largest <= limit, "{basis:?}: {largest}");
+        assert!(largest > 0.8 * limit.min(1.0), "{basis:?} uses its range: {largest}");
+        let mean = samples.iter().map(|sample| sample.value).sum::<f64>() / count;
+        let variance = samples.iter().map(|sample| (sample.value - mean).powi(2)).sum::<f64>() / count;
+        let skewness = samples.iter().map(|sample| (sample.value - mean).powi(3)).sum::<f64>()
+            / count
+            / variance.powf(1.5);
+        if has_zero_mean {
+            // Five standard errors of 200,000 places, of which those in one cell are not independent.
+            assert!(mean.abs() < 0.02 * variance.sqrt(), "{basis:?}: mean {mean}");
+            assert!(skewness.abs() < 0.05, "{basis:?}: skewness {skewness}");
+        }
+        // As steep along x as along y, and as along the diagonals: the gradient's covariance is that of a circle.
+        let of = |of: &dyn Fn(&Sample<f64>) -> f64| samples.iter().map(of).sum::<f64>() / count;
+        let (xx, yy, xy) = (of(&|s| s.dx * s.dx), of(&|s| s.dy * s.dy), of(&|s| s.dx * s.dy));
+        assert!((xx / yy - 1.0).abs() < 0.03, "{basis:?}: {xx} along x, {yy} along y");
+        assert!(xy.abs() < 0.03 * xx, "{basis:?}: {xy} across");
+    }
+}
+
+/// Between neighbouring cells nothing jumps: neither the value nor, where a basis is smooth, its gradient.
+#[test]
+fn nothing_jumps_at_the_borders_of_cells() {
+    const STEP: f64 = 1.0e-7;
+    for basis in Basis::ALL {
+        for index in 0..2000_u32 {
+            let along = f64::from(orogeny_field::hash::uniform(index, 1, 3)) * 40.0 - 20.0;
+            let border = f64::from(index % 41) - 20.0;
+            for (x, y) in [(border, along), (along, border)] {
+                let at =
+                    |dx: f64, dy: f64| sample::<f64>(basis, [x + dx, y + dy, 0.3], 5, [0.0, 1.0, 0.0, 0.0]);
+                let (before, after) = (at(-STEP, -STEP), at(STEP, STEP));
+                assert!((before.value - after.value).abs() < 1.0e-5, "{basis:?} at {x}, {y}");
+                // Distances to points bend where two are equally near.
+                if basis != Basis::Worley {
+                    let jump = (before.dx - after.dx).abs().max((before.dy - after.dy).abs());
+                    assert!(jump < 1.0e-4, "{basis:?} at {x}, {y}: the gradient by {jump}");
+                }
+            }
+        }
+    }
+}
