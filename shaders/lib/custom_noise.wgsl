@@ -1,31 +1,13 @@
 // Gradient noise (Perlin 2002), about -1..1, and its sums over octaves, for users' brushes.
 #include "lib/hash.wgsl"
-#include "lib/height.wgsl"
+#include "lib/noise_gradient.wgsl"
 
 const MAX_OCTAVES = 16u;
 const PARTS_PER_SAMPLE = 1024;
 
-fn fade(t: f32) -> f32 {
-    return t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-}
-
-// The gradient of a lattice point, one of 8 odd multiples of 22.5 degrees, times the way from it.
-fn lattice_slope(point: vec2<u32>, way: vec2<f32>, seed: u32) -> f32 {
-    let k = hash(point.x, point.y, seed) >> 29u;
-    let is_steep = ((k + 1u) & 2u) != 0u;
-    let x = select(0.92387953, 0.38268343, is_steep) * select(1.0, -1.0, ((k + 2u) & 4u) != 0u);
-    let y = select(0.38268343, 0.92387953, is_steep) * select(1.0, -1.0, (k & 4u) != 0u);
-    return x * way.x + y * way.y;
-}
-
 // At a place 0..1 in a cell of the lattice.
 fn lattice_noise(cell: vec2<u32>, f: vec2<f32>, seed: u32) -> f32 {
-    let a = lattice_slope(cell, f, seed);
-    let b = lattice_slope(cell + vec2<u32>(1u, 0u), f - vec2<f32>(1.0, 0.0), seed);
-    let c = lattice_slope(cell + vec2<u32>(0u, 1u), f - vec2<f32>(0.0, 1.0), seed);
-    let d = lattice_slope(cell + vec2<u32>(1u, 1u), f - vec2<f32>(1.0, 1.0), seed);
-    let u = fade(f.x);
-    return 1.530734 * lerp(lerp(a, b, u), lerp(c, d, u), fade(f.y));
+    return gradient_noise(cell, f, seed).x;
 }
 
 // Octaves share no lattice point: one that did would show it as a spot where all of them are 0.

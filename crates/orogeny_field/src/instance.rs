@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::{Bitmap, Falloff};
 
-/// One dab of a brush. The layout is that of `Instance` in `shaders/driver/local.wgsl`.
+/// One dab of a brush. The layout is that of `Instance` in `shaders/driver/footprint.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Instance {
