@@ -8,6 +8,7 @@
 //! How a stroke is cut into batches, pages, tiles and threads changes no bit of the result on one executor: instances act on
 //! a sample one after another in stroke order, and a wash keeps a largest weight, which has no order.
 
+mod canvas;
 mod curve;
 mod dynamics;
 mod error;
@@ -20,12 +21,14 @@ mod gate;
 pub mod kernels;
 mod plan;
 mod planner;
+mod resolved;
 mod sampler;
 mod spacing;
 mod spill;
 mod symmetry;
 mod tiles;
 
+pub use canvas::{Canvas, Resources};
 pub use curve::CurveSegment;
 pub use error::{Error, Result};
 pub use execute::{Executor, Notices, PageMemory};
@@ -36,7 +39,8 @@ pub use gate::GatePlan;
 pub use kernels::custom::{CustomProgram, CustomRule};
 pub use kernels::{Rule, Stage};
 pub use plan::{Batch, PageWork, Pass};
-pub use planner::{Canvas, Resources, StrokePlanner, plan_fill, resolved};
+pub use planner::{StrokePlanner, plan_fill};
+pub use resolved::resolved;
 pub use sampler::{Pen, PlacedSample, StrokeSampler};
 pub use spacing::Spacing;
 pub use tiles::Tile;

@@ -1,22 +1,21 @@
 //! From a brush and places to batches: strength, pressure, copies, heights found under the stroke.
 
-use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-use orogeny_field::noise::{Noise, Normalization};
 use orogeny_field::{
-    AlphaRotation, Bitmap, Blending, Brush, BrushType, Coverage, Falloff, FieldId, Footprint, Gate,
-    HeightRange, Instance, PageLayout, PointerSample, SampleRect, TerraceSteps, TerrainGrid, WeightMode,
+    AlphaRotation, Bitmap, Blending, Brush, BrushType, Coverage, Falloff, Footprint, Gate, HeightRange,
+    Instance, PageLayout, PointerSample, SampleRect, TerraceSteps, WeightMode,
 };
 use orogeny_pages::{HeightProbe, PageStore};
-use orogeny_reference::noise::normalization;
 
+use crate::canvas::{Canvas, Resources};
 use crate::dynamics::Touch;
 use crate::frames::Frames;
 use crate::gate::GatePlan;
-use crate::kernels::custom::{CustomProgram, CustomRule};
+use crate::kernels::custom::CustomRule;
 use crate::kernels::{Rule, Stage};
 use crate::plan::{Batch, Pass};
+use crate::resolved::resolved;
 use crate::sampler::{Pen, PlacedSample, StrokeSampler};
 use crate::spacing::Spacing;
 use crate::symmetry::{self, Image};
@@ -32,83 +31,6 @@ const BATCH_PAGES: u64 = 1 << 16;
 
 /// Places after which a batch ends, on the terrain or not: bounds the time between two looks at whether to go on.
 const BATCH_PLACES: u32 = 1 << 16;
-
-/// What is painted on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Canvas {
-    /// The terrain.
-    pub grid: TerrainGrid,
-    /// How its planes are cut.
-    pub layout: PageLayout,
-    /// The field whose pages are changed.
-    pub field: FieldId,
-    /// Whether that is a mask or a selection, whose values stay within 0..1.
-    pub is_mask: bool,
-    /// The heights that gates look at.
-    pub heights: FieldId,
-    /// The selection that gates look at.
-    pub selection: FieldId,
-}
-
-impl Canvas {
-    /// A field of heights, and no selection.
-    #[must_use]
-    pub const fn heights(grid: TerrainGrid, layout: PageLayout, field: FieldId) -> Self {
-        // No field has this number: it reads as its constant.
-        Self { grid, layout, field, is_mask: false, heights: field, selection: FieldId(u32::MAX) }
-    }
-}
-
-/// Data from outside that a brush names.
-#[derive(Debug, Clone, Default)]
-pub struct Resources {
-    /// The picture of its alpha.
-    pub alpha: Option<Arc<Bitmap>>,
-    /// The kernel that its user wrote.
-    pub custom: Option<Arc<CustomProgram>>,
-    /// The picture of its gate.
-    pub gate_image: Option<Arc<Bitmap>>,
-    /// The picture of its noise's roughness.
-    pub roughness_image: Option<Arc<Bitmap>>,
-}
-
-/// The same brush with all that has to be found out for it found out: what its noises are normalised by.
-#[must_use]
-pub fn resolved(brush: &Brush) -> Brush {
-    let mut brush = brush.clone();
-    if brush.brush_type == BrushType::Noise {
-        resolve(&mut brush.noise);
-    }
-    if let Some(noise) = brush.gate.as_mut().and_then(|gate| gate.noise.as_mut()) {
-        resolve(&mut noise.noise);
-    }
-    brush
-}
-
-/// Normalising takes tens of milliseconds, and the next stroke most often has the same noise.
-static NORMALIZED: Mutex<VecDeque<(Noise, Normalization)>> = Mutex::new(VecDeque::new());
-const MAX_NORMALIZED: usize = 64;
-
-fn resolve(noise: &mut Noise) {
-    if noise.normalization != Normalization::Wanted {
-        return;
-    }
-    // A thread that failed while it had the list leaves it whole: it is only pushed to.
-    let known = |list: &VecDeque<(Noise, Normalization)>| {
-        list.iter().find(|(known, _)| known == noise).map(|(_, numbers)| *numbers)
-    };
-    let lock = || NORMALIZED.lock().unwrap_or_else(PoisonError::into_inner);
-    let found = known(&lock());
-    let numbers = found.unwrap_or_else(|| {
-        let (offset, scale) = normalization(noise);
-        let numbers = Normalization::Given { offset, scale };
-        let mut list = lock();
-        list.truncate(MAX_NORMALIZED - 1);
-        list.push_front((noise.clone(), numbers));
-        numbers
-    });
-    noise.normalization = numbers;
-}
 
 /// What strokes and fills have in common.
 #[derive(Debug)]
