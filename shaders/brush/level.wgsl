@@ -9,13 +9,7 @@ struct Level {
 @group(1) @binding(11) var<uniform> level: Level;
 
 fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32 {
-    var goal = level.target_height_m;
-    if level.only == 1u {
-        goal = min(goal, height);
-    } else if level.only == 2u {
-        goal = max(goal, height);
-    }
-    return lerp(height, goal, amount);
+    return lerp(height, goal_of(level.target_height_m, height, level.only), amount);
 }
 
 @compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)

@@ -11,13 +11,8 @@ struct Ramp {
 fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32 {
     let way = along_segment(offset_of(sample, instance), instance);
     let share = select(way, way * way * (3.0 - 2.0 * way), ramp.is_smooth == 1u);
-    var goal = lerp(instance.reference_height_m, instance.end_height_m, share);
-    if ramp.level_only == 1u {
-        goal = min(goal, height);
-    } else if ramp.level_only == 2u {
-        goal = max(goal, height);
-    }
-    return lerp(height, goal, amount);
+    let slope = lerp(instance.reference_height_m, instance.end_height_m, share);
+    return lerp(height, goal_of(slope, height, ramp.level_only), amount);
 }
 
 @compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)

@@ -8,6 +8,17 @@ fn lerp(a: f32, b: f32, w: f32) -> f32 {
     return a + w * (b - a);
 }
 
+// What a height may be pulled to where it may only go one way: 0 both ways, 1 cut, 2 fill.
+fn goal_of(goal: f32, height: f32, only: u32) -> f32 {
+    if only == 1u {
+        return min(goal, height);
+    }
+    if only == 2u {
+        return max(goal, height);
+    }
+    return goal;
+}
+
 // Whether a height is finite and within what a terrain holds. By its bits: no comparison is sure to see a NaN.
 fn is_storable_height(height_m: f32) -> bool {
     return (bitcast<u32>(height_m) & 0x7fffffffu) <= bitcast<u32>(MAX_HEIGHT_M);

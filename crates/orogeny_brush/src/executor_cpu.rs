@@ -6,17 +6,16 @@
 use std::collections::BTreeSet;
 
 use lru::LruCache;
-use orogeny_field::noise::{LATTICE_BLOCK, NoiseFrame, NoiseKernel};
 use orogeny_field::{Instance, Page, PageKey, PageLayout, SampleRect, WeightMode};
 use orogeny_pages::PageStore;
 use orogeny_reference::amounts;
-use orogeny_reference::noise::LANES;
-use orogeny_reference::noise::row::{self, LatticeBlock};
+use orogeny_reference::noise::row;
 use rayon::prelude::*;
 
 use crate::execute::{Executor, Notices, PageMemory};
 use crate::gate::{GateInput, GatePlan};
 use crate::kernels::{RowStart, Rule, apply_row};
+use crate::pattern::Pattern;
 use crate::plan::{Batch, PageWork, Pass};
 use crate::spill::Spill;
 use crate::{Error, Result};
@@ -72,13 +71,6 @@ enum Gating {
     Weights(Page),
 }
 
-/// A noise that does not depend on the instance, worked out once for each lattice block of a page.
-#[derive(Debug)]
-struct Pattern {
-    values: Page,
-    known: BTreeSet<(u32, u32)>,
-}
-
 impl CpuExecutor {
     /// An executor with a budget for resident pages and a number of threads (`None`: all cores). At least one page is
     /// always held.
@@ -130,7 +122,7 @@ impl CpuExecutor {
             page.roughness = Gating::Loaded(roughness.load(key, store)?);
         }
         if has_pattern(pass) && page.pattern.is_none() {
-            page.pattern = Some(Pattern { values: Page::constant(self.layout, 0.0), known: BTreeSet::new() });
+            page.pattern = Some(Pattern::new(self.layout));
         }
         if pass.weight_mode() == WeightMode::Wash && page.wash.is_none() {
             let before = if self.changed.contains(key) {
@@ -356,39 +348,6 @@ impl Gating {
     }
 }
 
-impl Pattern {
-    /// Works out the blocks of a rectangle that are not known yet.
-    fn work_out(
-        &mut self,
-        kernel: &NoiseKernel,
-        frame: &NoiseFrame,
-        roughness: Option<&Page>,
-        rect: &SampleRect,
-        page_rect: &SampleRect,
-    ) {
-        let block = LATTICE_BLOCK.cast_signed();
-        let mut row = [0.0; LANES];
-        for block_z in rect.z0.div_euclid(block)..=(rect.z1 - 1).div_euclid(block) {
-            for block_x in rect.x0.div_euclid(block)..=(rect.x1 - 1).div_euclid(block) {
-                let [x, z] =
-                    [(block_x * block).abs_diff(page_rect.x0), (block_z * block).abs_diff(page_rect.z0)];
-                if !self.known.insert((x, z)) {
-                    continue;
-                }
-                let lattice = LatticeBlock::around([block_x * block, block_z * block], kernel, frame);
-                for within in 0..LATTICE_BLOCK {
-                    let rough = roughness
-                        .and_then(|page| page.row(z + within, x, x + LATTICE_BLOCK)?.first_chunk::<LANES>());
-                    row::block_row(&mut row, within, kernel, &lattice, rough);
-                    if let Some(values) = self.values.row_mut(z + within, x, x + LATTICE_BLOCK) {
-                        values.copy_from_slice(&row);
-                    }
-                }
-            }
-        }
-    }
-}
-
 /// What is the same for all rows of a page.
 struct Site<'a> {
     batch: &'a Batch,
@@ -418,7 +377,7 @@ impl Site<'_> {
             return apply_row(pass, instance, start, heights, amounts, &[]);
         };
         if let Some(pattern) = self.pattern {
-            let values = self.row_of(&pattern.values, start, heights.len()).unwrap_or_default();
+            let values = self.row_of(pattern.values(), start, heights.len()).unwrap_or_default();
             return apply_row(pass, instance, start, heights, amounts, values);
         }
         let mut values = [0.0; ROW_CHUNK];

@@ -8,8 +8,8 @@ use orogeny_field::noise::{NoiseFrame, NoiseKernel};
 use orogeny_field::{Band, Bitmap, FieldId, Gate, Page, PageKey, PageLayout, TerrainGrid};
 use orogeny_pages::PageStore;
 use orogeny_reference::gate::{self, Ground};
-use orogeny_reference::noise::row;
 
+use crate::pattern::Pattern;
 use crate::{Error, Result};
 
 /// A gate with all that it needs of the terrain.
@@ -74,7 +74,11 @@ impl GatePlan {
         let size = layout.size();
         let origin = layout.page_rect(key);
         let stride = size as usize + 2;
-        let mut noise_values = vec![0.0; size as usize];
+        let noise = self.noise.as_ref().map(|(kernel, frame, band)| {
+            let mut pattern = Pattern::new(layout);
+            pattern.work_out(kernel, frame, None, &origin, &origin);
+            (pattern, band)
+        });
         for z in 0..size {
             let Some(weights) = page.row_mut(z, 0, size) else { continue };
             if let Some(ground) = &input.ground {
@@ -84,9 +88,10 @@ impl GatePlan {
                     gate::multiply_by_ground(weights, &self.gate, &ground);
                 }
             }
-            if let Some((kernel, frame, band)) = &self.noise {
-                row::row(&mut noise_values, origin.x0, origin.z0 + z.cast_signed(), kernel, frame, None);
-                gate::multiply_by_band(weights, &noise_values, band);
+            if let Some((pattern, band)) = &noise
+                && let Some(values) = pattern.values().row(z, 0, size)
+            {
+                gate::multiply_by_band(weights, values, band);
             }
             if let Some(selected) = input.selection.as_ref().and_then(|page| page.row(z, 0, size)) {
                 gate::multiply_by_selection(weights, selected);

@@ -19,6 +19,7 @@ mod frames;
 mod gate;
 
 pub mod kernels;
+mod pattern;
 mod plan;
 mod planner;
 mod resolved;

@@ -75,9 +75,12 @@ impl Plan {
     }
 
     /// What the kernel does; `anchor` is the stroke's first point, in samples.
-    fn rule(&self, target_height_m: f32, anchor: [f64; 2], frames: Option<&Frames>) -> Rule {
+    ///
+    /// # Errors
+    /// [`Error::Field`] for a brush whose data is not there.
+    fn rule(&self, target_height_m: f32, anchor: [f64; 2], frames: Option<&Frames>) -> Result<Rule> {
         let brush = &self.brush;
-        match Stage::of(brush.brush_type) {
+        Ok(match Stage::of(brush.brush_type) {
             Stage::Raise => Rule::Raise,
             Stage::Ledge => Rule::Ledge(brush.direction),
             Stage::Level => Rule::Level { target_height_m, only: brush.only },
@@ -85,7 +88,7 @@ impl Plan {
             Stage::Roughen => Rule::Roughen { seed: self.seed },
             Stage::Noise => match frames {
                 Some(frames) => Rule::Noise(Arc::clone(frames.kernel())),
-                None => Rule::Raise,
+                None => return Err(missing(brush, "points", "a noise has its place by the first")),
             },
             Stage::Terrace => {
                 let anchor = anchor.map(|place| place.round() as i32);
@@ -98,16 +101,16 @@ impl Plan {
                     mode: brush.stamp.mode,
                     bitmap: Arc::clone(bitmap),
                 },
-                None => Rule::Raise,
+                None => return Err(missing(brush, "alpha", "its picture was not loaded")),
             },
             Stage::Custom => match &self.custom {
                 Some(custom) => Rule::Custom(custom.clone()),
-                None => Rule::Raise,
+                None => return Err(missing(brush, "file", "its kernel was not loaded")),
             },
             Stage::Mask => Rule::Mask {
                 value: if brush.brush_type == BrushType::EraseMask { 0.0 } else { brush.mask_value as f32 },
             },
-        }
+        })
     }
 
     fn frames(&self, anchor: [f64; 2]) -> Result<Option<Frames>> {
@@ -142,7 +145,7 @@ pub struct StrokePlanner {
     probe: HeightProbe,
     first_position: Option<[f64; 2]>,
     last_position: Option<[f64; 2]>,
-    target_height_m: Option<f32>,
+    pass: Option<Pass>,
     frames: Option<Frames>,
     num_points: usize,
     /// Of a ramp: whether its batch was given.
@@ -168,7 +171,7 @@ impl StrokePlanner {
             probe: HeightProbe::new(grid, canvas.field),
             first_position: None,
             last_position: None,
-            target_height_m: brush.height_m,
+            pass: None,
             frames: None,
             num_points: 0,
             is_ramp_given: false,
@@ -186,11 +189,11 @@ impl StrokePlanner {
         sample.check(grid, self.num_points)?;
         let position = grid.sample_from_world(sample.position_m);
         let pen = Pen { pressure: f64::from(sample.pressure), tilt: f64::from(sample.tilt_deg) / 90.0 };
-        self.sampler.push(position, pen, sample.time_s)?;
         if self.first_position.is_none() {
-            self.first_position = Some(position);
             self.frames = self.plan.frames(position)?;
         }
+        self.sampler.push(position, pen, sample.time_s)?;
+        self.first_position.get_or_insert(position);
         self.last_position = Some(position);
         self.num_points += 1;
         Ok(())
@@ -375,14 +378,15 @@ impl StrokePlanner {
         if image.is_reflection { ([-x, -z], -mirror) } else { ([x, z], mirror) }
     }
 
+    /// What is the same for all batches, found out with the first.
     fn pass(&mut self, store: &mut dyn PageStore) -> Result<Pass> {
+        if let Some(pass) = &self.pass {
+            return Ok(pass.clone());
+        }
         let stage = Stage::of(self.plan.brush.brush_type);
-        let target_height_m = match (self.target_height_m, self.first_position) {
+        let target_height_m = match (self.plan.brush.height_m, self.first_position) {
             (Some(height_m), _) => height_m,
-            (None, Some(position)) if stage.needs_target_height() => {
-                let height_m = self.probe.height_m(store, position)?;
-                *self.target_height_m.insert(height_m)
-            }
+            (None, Some(position)) if stage.needs_target_height() => self.probe.height_m(store, position)?,
             _ => 0.0,
         };
         let anchor = self.first_position.unwrap_or_default();
@@ -393,7 +397,8 @@ impl StrokePlanner {
             alpha: self.plan.resources.alpha.clone().filter(|_| stage != Stage::Stamp),
             is_segment: stage == Stage::Ramp,
         };
-        Ok(self.plan.pass(self.plan.rule(target_height_m, anchor, self.frames.as_ref()), footprint))
+        let rule = self.plan.rule(target_height_m, anchor, self.frames.as_ref())?;
+        Ok(self.pass.insert(self.plan.pass(rule, footprint)).clone())
     }
 }
 
@@ -440,8 +445,7 @@ fn checked_num_pages(layout: PageLayout, rect: SampleRect) -> Result<u64> {
 ///
 /// # Errors
 /// [`Error::Field`] for a brush with a number that it cannot use, and with [`orogeny_field::Error::MissingField`] for one that
-/// needs a stroke: `ramp`, `stamp`, one with a bitmap, `level` and `ledge` without a
-/// height; [`Error::TooManyPages`] for a region beyond what one operation may change.
+/// needs a stroke: `ramp`, `stamp`, one with a bitmap, `level` and `ledge` without a height; [`Error::TooManyPages`] for a region beyond what one operation may change.
 pub fn plan_fill(
     brush: &Brush,
     seed: u32,
@@ -477,7 +481,7 @@ pub fn plan_fill(
     if let Some(frames) = &mut frames {
         frames.assign(&mut everywhere, 0, [0.0, 0.0], [1.0, 0.0]);
     }
-    let rule = plan.rule(height_m, [0.0, 0.0], frames.as_ref());
+    let rule = plan.rule(height_m, [0.0, 0.0], frames.as_ref())?;
     let region = region.intersection(&canvas.grid.bounds());
     checked_num_pages(canvas.layout, region)?;
     let batch =
@@ -497,5 +501,22 @@ mod tests {
             assert!(r >= 1.0, "{radius}");
             assert_eq!(falloff::weight(r, &Falloff::HARD_EDGE), 0.0, "{radius}");
         }
+    }
+
+    #[test]
+    fn a_noise_that_cannot_be_seen_is_refused_with_every_sample_and_paints_nothing() {
+        let noise = orogeny_field::noise::Noise { feature_size_m: 1.0, ..Default::default() };
+        let brush = Brush { noise, ..Brush::new(BrushType::Noise, 20.0, 5.0) };
+        let grid = orogeny_field::TerrainGrid::new(64, 64, 1.0).unwrap();
+        let layout = PageLayout::new(64).unwrap();
+        let canvas = Canvas::heights(grid, layout, orogeny_field::FieldId(0));
+        let mut planner = StrokePlanner::new(&brush, 0, canvas, Resources::default()).unwrap();
+        for x_m in [10.0, 30.0] {
+            let err = planner.push(&PointerSample::at(x_m, 10.0)).unwrap_err().to_string();
+            assert!(err.contains("feature_size"), "{err}");
+        }
+        planner.finish();
+        let mut pages = orogeny_pages::MemoryPages::new(layout, 0.0);
+        assert!(planner.next_batch(&mut pages, 10).unwrap().is_none());
     }
 }

@@ -41,7 +41,7 @@ fn picture(source: Option<&mut DataSource>, recording: &mut Recording<'_>) -> Re
     let Some(source) = source else { return Ok(None) };
     let data = Data::of(source, MAX_PICTURE_BYTES, recording)?;
     let picture = orogeny_formats::read_bitmap(&data.bytes, &data.name)?;
-    let bitmap = Bitmap::new(picture.width(), picture.height(), picture.values().to_vec())?;
+    let bitmap = Bitmap::new(picture.width(), picture.height(), picture.into_values())?;
     *source = DataSource::Blake3(data.hash);
     Ok(Some(Arc::new(bitmap)))
 }
@@ -113,23 +113,30 @@ struct Data {
 
 impl Data {
     fn of(source: &DataSource, limit: u64, recording: &mut Recording<'_>) -> Result<Self> {
-        let (bytes, name) = match source {
-            DataSource::File(file) => (read(Path::new(file), limit)?, file.clone()),
+        match source {
+            DataSource::File(file) => {
+                let bytes = read(Path::new(file), limit)?;
+                let (bytes, hash) = recording.with_transaction(move |transaction| {
+                    let hash = transaction.keep_blob(&mut bytes.as_slice())?;
+                    Ok((bytes, hash))
+                })?;
+                Ok(Self { bytes, name: file.clone(), hash: hash.to_string() })
+            }
             DataSource::Blake3(name) => {
                 let hash = hash_of(name)?;
+                let size =
+                    recording.with_transaction(move |transaction| transaction.keep_known_blob(&hash))?;
+                if size > limit {
+                    return Err(Error::TooLong { path: PathBuf::from(name), limit });
+                }
                 let bytes = recording.with_transaction(move |transaction| {
                     let mut bytes = Vec::new();
                     transaction.read_blob(&hash, &mut bytes)?;
                     Ok(bytes)
                 })?;
-                (bytes, name.clone())
+                Ok(Self { bytes, name: name.clone(), hash: hash.to_string() })
             }
-        };
-        // Kept again where it is there already: so it goes with the last operation that names it.
-        let kept = bytes.clone();
-        let hash =
-            recording.with_transaction(move |transaction| transaction.keep_blob(&mut kept.as_slice()))?;
-        Ok(Self { bytes, name, hash: hash.to_string() })
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! What happens to a height on its way back: clamped to what a terrain holds, denormals and NaN to +0, clampings counted.
 
-use orogeny_field::{is_storable_height, sanitized_height};
+use orogeny_field::{LevelOnly, is_storable_height, sanitized_height};
 
 /// Replaces each height of a row by what `new_height` makes of it and the amount at its sample, and gives the number of
 /// heights that could not be stored as they were. `new_height` gets the sample's place in the row too.
@@ -24,6 +24,17 @@ pub fn update_row(
 #[must_use]
 pub fn lerp(a: f32, b: f32, w: f32) -> f32 {
     a + w * (b - a)
+}
+
+/// What a height may be pulled to where it may only go one way.
+#[inline(always)]
+#[must_use]
+pub fn goal_of(goal: f32, height: f32, only: LevelOnly) -> f32 {
+    match only {
+        LevelOnly::Both => goal,
+        LevelOnly::Cut => goal.min(height),
+        LevelOnly::Fill => goal.max(height),
+    }
 }
 
 /// Keeps a row of a mask within 0..1, whatever a brush for heights made of it.

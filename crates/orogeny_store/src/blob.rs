@@ -49,6 +49,19 @@ impl Transaction<'_> {
         self.fail_with(result)
     }
 
+    /// Keeps data from outside that is there already with the entry that is [recorded](Self::record) next too, and gives its size
+    /// in bytes.
+    ///
+    /// # Errors
+    /// [`Error::UnknownBlob`]; after any other error the transaction can only be dropped.
+    pub fn keep_known_blob(&mut self, hash: &BlobHash) -> Result<u64> {
+        self.refuse_after_failure()?;
+        let db = self.database();
+        let known = db.blob(hash)?.ok_or_else(|| Error::UnknownBlob { hash: hash.to_string() })?;
+        let kept = db.insert_entry_blob(self.entry(), known.id).map(|()| known.size);
+        self.fail_with(kept)
+    }
+
     /// Writes data from outside, with that kept here, to `to`.
     ///
     /// # Errors

@@ -177,20 +177,16 @@ impl Scratch {
         roughness: &GatePlan,
         store: &mut dyn PageStore,
     ) -> Result<Resident> {
-        let mut uploads = Uploads::new(self.layout);
-        let mut admitted = Vec::new();
-        for key in absent(&mut self.residency, works) {
-            let Some(Admitted { slot, .. }) = self.residency.admit(key) else { continue };
-            admitted.push(key);
-            if let Err(err) = self.before.prepare(gpu, slot) {
-                admitted.iter().for_each(|key| self.residency.forget(key));
-                return Ok(Resident::TextureMemoryShort(err));
-            }
-            let input = roughness.load(&key, store)?;
-            uploads.add_or_constant(Ok(Some(roughness.page(&key, self.layout, &input))), 1.0, slot)?;
-        }
-        uploads.record(gpu, encoder, &self.before)?;
-        Ok(Resident::All)
+        upload_weights(
+            self.layout,
+            &mut self.before,
+            &mut self.residency,
+            gpu,
+            encoder,
+            works,
+            roughness,
+            store,
+        )
     }
 
     /// Gives up the slots whose textures were never made; whether there were any.
@@ -257,20 +253,7 @@ impl Gates {
         gate: &GatePlan,
         store: &mut dyn PageStore,
     ) -> Result<Resident> {
-        let mut uploads = Uploads::new(self.layout);
-        let mut admitted = Vec::new();
-        for key in absent(&mut self.residency, works) {
-            let Some(Admitted { slot, .. }) = self.residency.admit(key) else { continue };
-            admitted.push(key);
-            if let Err(err) = self.atlas.prepare(gpu, slot) {
-                admitted.iter().for_each(|key| self.residency.forget(key));
-                return Ok(Resident::TextureMemoryShort(err));
-            }
-            let input = gate.load(&key, store)?;
-            uploads.add_or_constant(Ok(Some(gate.page(&key, self.layout, &input))), 1.0, slot)?;
-        }
-        uploads.record(gpu, encoder, &self.atlas)?;
-        Ok(Resident::All)
+        upload_weights(self.layout, &mut self.atlas, &mut self.residency, gpu, encoder, works, gate, store)
     }
 
     /// Gives up the slots whose texture was never made; whether there were any.
@@ -302,6 +285,34 @@ impl Gates {
     pub(super) fn size_in_bytes(&self) -> u64 {
         self.atlas.size_in_bytes()
     }
+}
+
+/// Makes the weights of gates resident in an atlas. What makes room is dropped: it is worked out anew when it is needed.
+#[expect(clippy::too_many_arguments, reason = "an atlas and its residency are fields of what calls it")]
+fn upload_weights(
+    layout: PageLayout,
+    atlas: &mut Atlas,
+    residency: &mut Residency<Slot>,
+    gpu: &Gpu,
+    encoder: &mut wgpu::CommandEncoder,
+    works: &[PageWork],
+    gate: &GatePlan,
+    store: &mut dyn PageStore,
+) -> Result<Resident> {
+    let mut uploads = Uploads::new(layout);
+    let mut admitted = Vec::new();
+    for key in absent(residency, works) {
+        let Some(Admitted { slot, .. }) = residency.admit(key) else { continue };
+        admitted.push(key);
+        if let Err(err) = atlas.prepare(gpu, slot) {
+            admitted.iter().for_each(|key| residency.forget(key));
+            return Ok(Resident::TextureMemoryShort(err));
+        }
+        let input = gate.load(&key, store)?;
+        uploads.add_or_constant(Ok(Some(gate.page(&key, layout, &input))), 1.0, slot)?;
+    }
+    uploads.record(gpu, encoder, atlas)?;
+    Ok(Resident::All)
 }
 
 /// A bitmap as a texture.

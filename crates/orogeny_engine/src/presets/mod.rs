@@ -194,15 +194,15 @@ impl Presets {
 mod tests {
     use super::*;
 
-    fn object(text: &str) -> Map<String, Value> {
+    pub(in crate::presets) fn object(text: &str) -> Map<String, Value> {
         serde_json::from_str(text).unwrap()
     }
 
-    fn preset(name: &str, brush: &str) -> Preset {
+    pub(in crate::presets) fn preset(name: &str, brush: &str) -> Preset {
         Preset::new(name, object(brush)).unwrap()
     }
 
-    fn library() -> (tempfile::TempDir, Presets) {
+    pub(in crate::presets) fn library() -> (tempfile::TempDir, Presets) {
         let folder = tempfile::tempdir().unwrap();
         let presets = Presets::open(Some(folder.path().join("made/when/needed")));
         (folder, presets)

@@ -69,23 +69,8 @@ impl Presets {
 mod tests {
     use std::path::Path;
 
-    use serde_json::{Map, Value};
-
+    use super::super::tests::{library, preset};
     use super::*;
-
-    fn object(text: &str) -> Map<String, Value> {
-        serde_json::from_str(text).unwrap()
-    }
-
-    fn preset(name: &str, brush: &str) -> Preset {
-        Preset::new(name, object(brush)).unwrap()
-    }
-
-    fn library() -> (tempfile::TempDir, Presets) {
-        let folder = tempfile::tempdir().unwrap();
-        let presets = Presets::open(Some(folder.path().join("made/when/needed")));
-        (folder, presets)
-    }
 
     #[test]
     fn what_is_saved_is_there_the_next_time_under_any_spelling() {

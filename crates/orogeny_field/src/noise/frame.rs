@@ -1,7 +1,7 @@
 //! What an instance adds to a noise: its seed, the octaves' own offsets, and where its coordinates begin.
 
-use super::{Basis, LatticePoint, NoiseKernel, skewed};
-use crate::hash::{hash, uniform};
+use super::{LatticePoint, NoiseKernel, skewed};
+use crate::hash::hash;
 
 /// One row of a frame. The layout is that of `FrameOctave` in `shaders/driver/noise.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -40,10 +40,7 @@ impl NoiseFrame {
         let octaves = rows
             .map(|(m, l)| {
                 let frequency = kernel.scales.get(slots.index(m, l)).map_or(1.0, |scale| scale.frequency);
-                let [mut x, mut y, mut w] = octave_offset(kernel.basis, seed, m, l);
-                if kernel.basis == Basis::Simplex3d {
-                    w += kernel.slice * frequency;
-                }
+                let [mut x, mut y, w] = kernel.octave_origin(seed, m, l);
                 if let (Some(affine), Some([centre_x, centre_z])) = (kernel.directions.get(direction), centre)
                 {
                     let [[xx, xz], [zx, zz]] = affine.columns;
@@ -56,11 +53,4 @@ impl NoiseFrame {
             .collect();
         Self { direction, octaves }
     }
-}
-
-/// What octave `l` of turbulence `m` is moved by, in cells.
-#[must_use]
-pub(super) fn octave_offset(basis: Basis, seed: u32, m: u32, l: u32) -> [f64; 3] {
-    let along = |axis: u32| f64::from(uniform(l, axis + 16 * m, seed));
-    [along(0x51), along(0x52), if basis == Basis::Simplex3d { along(0x53) } else { 0.0 }]
 }

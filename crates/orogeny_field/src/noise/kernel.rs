@@ -1,6 +1,7 @@
 //! A noise as kernels take it: tables of octaves, and lattice places worked out in `f64`.
 
 use super::{Basis, Noise, Normalization, Seeding, Turbulence};
+use crate::hash::uniform;
 use crate::{CurveTable, Error, Result};
 
 /// The most octaves of one turbulence.
@@ -221,6 +222,21 @@ impl NoiseKernel {
     #[must_use]
     pub const fn is_shared(&self) -> bool {
         matches!(self.seeding, Seeding::World | Seeding::Stroke) && self.num_directions() == 1
+    }
+
+    /// Where the origin of feature sizes lies on the lattice of octave `l` of turbulence `m`, before it is skewed: moved at
+    /// random, so that octaves share no lattice point, and along the third axis to the slice.
+    #[must_use]
+    pub fn octave_origin(&self, seed: u32, m: u32, l: u32) -> [f64; 3] {
+        let along = |axis: u32| f64::from(uniform(l, axis + 16 * m, seed));
+        let slice = match self.basis {
+            Basis::Simplex3d => {
+                let frequency = self.scales.get(self.slots.index(m, l)).map_or(1.0, |scale| scale.frequency);
+                along(0x53) + self.slice * frequency
+            }
+            _ => 0.0,
+        };
+        [along(0x51), along(0x52), slice]
     }
 
     /// Where sample `[x, z]` of the terrain lies on the lattice of a row of the octave tables, without what a frame adds.

@@ -59,6 +59,11 @@ impl Bitmap {
     pub fn values(&self) -> &[f32] {
         &self.values
     }
+
+    /// The values, row after row, the top row first, for another kind of picture.
+    pub fn into_values(self) -> Vec<f32> {
+        self.values
+    }
 }
 
 /// Reads a picture from the bytes of a whole file. Its first bytes tell the format; `name` is what errors call it.

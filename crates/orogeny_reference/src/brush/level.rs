@@ -3,18 +3,10 @@
 use multiversion::multiversion;
 use orogeny_field::LevelOnly;
 
-use crate::store::{lerp, update_row};
+use crate::store::{goal_of, lerp, update_row};
 
 /// Pulls the heights towards `target_m` by the amounts, 0..1.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
 pub fn row(heights: &mut [f32], amounts: &[f32], target_m: f32, only: LevelOnly) -> u32 {
-    match only {
-        LevelOnly::Both => update_row(heights, amounts, |_, height, amount| lerp(height, target_m, amount)),
-        LevelOnly::Cut => {
-            update_row(heights, amounts, |_, height, amount| lerp(height, target_m.min(height), amount))
-        }
-        LevelOnly::Fill => {
-            update_row(heights, amounts, |_, height, amount| lerp(height, target_m.max(height), amount))
-        }
-    }
+    update_row(heights, amounts, |_, height, amount| lerp(height, goal_of(target_m, height, only), amount))
 }

@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use orogeny_field::{Instance, LevelOnly, RampAlong};
 
 use crate::amounts::{along_segment, offset};
-use crate::store::{lerp, update_row};
+use crate::store::{goal_of, lerp, update_row};
 
 /// Pulls the samples `first_x ..` of row `z` towards the slope of the instance's segment by the amounts, 0..1.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
@@ -22,11 +22,6 @@ pub fn row(
         let way = along_segment(offset(first_x.wrapping_add(place as i32), z, instance), instance);
         let share = if is_smooth { way * way * (3.0 - 2.0 * way) } else { way };
         let slope = lerp(instance.reference_height_m, instance.end_height_m, share);
-        let goal = match only {
-            LevelOnly::Both => slope,
-            LevelOnly::Cut => slope.min(height),
-            LevelOnly::Fill => slope.max(height),
-        };
-        lerp(height, goal, amount)
+        lerp(height, goal_of(slope, height, only), amount)
     })
 }

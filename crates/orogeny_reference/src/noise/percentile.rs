@@ -1,7 +1,6 @@
 //! What a raw sum of octaves is scaled by, from percentiles of many of its values.
 
-use orogeny_field::hash::uniform;
-use orogeny_field::noise::{Basis, Noise, NoiseKernel, skewed};
+use orogeny_field::noise::{Noise, NoiseKernel, skewed};
 
 use super::LANES;
 use super::turbulence::{self, Places};
@@ -30,11 +29,9 @@ impl Places<f64> for HaltonPoints<'_> {
         let basis = self.kernel.basis;
         let frequency =
             self.kernel.scales.get(self.kernel.slots.index(m, l)).map_or(1.0, |scale| scale.frequency);
-        let along = |axis: u32| f64::from(uniform(l, axis + 16 * m, self.seed));
-        let slice = if basis == Basis::Simplex3d { frequency * self.kernel.slice + along(0x53) } else { 0.0 };
-        let (offset_x, offset_y) = (along(0x51), along(0x52));
+        let [origin_x, origin_y, slice] = self.kernel.octave_origin(self.seed, m, l);
         let place =
-            |[x, y]: [f64; 2]| skewed(basis, [frequency * x + offset_x, frequency * y + offset_y, slice]);
+            |[x, y]: [f64; 2]| skewed(basis, [frequency * x + origin_x, frequency * y + origin_y, slice]);
         (self.points.map(place), hash(l, m, self.seed))
     }
 

@@ -159,16 +159,7 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
 
     #[inline(always)]
     fn plain(&self, of: impl Fn(T) -> T) -> Lanes<T> {
-        let (mut sum, mut power) = ([T::of(0.0); LANES], [T::of(1.0); LANES]);
-        for l in 0..self.num_octaves {
-            let weight = self.weight(l);
-            self.rougher(l, &mut power);
-            let values = self.octave::<false>(l, None);
-            for ((sum, power), value) in sum.iter_mut().zip(power).zip(values.value) {
-                *sum += weight * power * of(value);
-            }
-        }
-        sum
+        self.folded(T::of(0.0), |_, weight, sum, value| sum + weight * of(value))
     }
 
     /// `sum of w^l N_l / (1 + |D_l|^2)`, `D_l` the sum of the gradients so far.
@@ -279,6 +270,7 @@ impl<T: Real, P: Places<T>> Summing<'_, T, P> {
         self.folded(T::of(1.0), |_, weight, sum, value| sum * (weight * value + elevation))
     }
 
+    /// Octave after octave, what `next` makes of its number, its weight, the sum so far and its value.
     #[inline(always)]
     fn folded(&self, first: T, next: impl Fn(u32, T, T, T) -> T) -> Lanes<T> {
         let (mut sum, mut power) = ([first; LANES], [T::of(1.0); LANES]);

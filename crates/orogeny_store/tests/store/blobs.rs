@@ -53,6 +53,25 @@ fn data_comes_back_by_its_hash_and_is_kept_once() {
 }
 
 #[test]
+fn data_that_is_there_is_kept_by_its_hash_alone() {
+    let scratch = Scratch::new();
+    let mut store = scratch.create();
+    let bytes = data(100_000, 5);
+    let hash = keep(&mut store, &bytes);
+    let mut transaction = store.begin().unwrap();
+    assert_eq!(transaction.keep_known_blob(&hash).unwrap(), 100_000);
+    transaction.commit("{}", "test").unwrap();
+    assert_eq!(read(&store, &hash), bytes);
+    assert_whole(&store);
+    let mut transaction = store.begin().unwrap();
+    let unknown = transaction.keep_known_blob(&BlobHash([7; 32])).unwrap_err();
+    assert!(matches!(unknown, Error::UnknownBlob { .. }), "{unknown}");
+    // Nothing was changed by it: the transaction goes on.
+    transaction.keep_known_blob(&hash).unwrap();
+    transaction.commit("{}", "test").unwrap();
+}
+
+#[test]
 fn data_goes_with_the_last_entry_that_needs_it() {
     let scratch = Scratch::new();
     let mut store = scratch.create();

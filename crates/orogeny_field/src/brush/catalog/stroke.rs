@@ -184,51 +184,39 @@ macro_rules! band {
     };
 }
 
-const GATE: &[Parameter] = &[
-    parameter("slope", ParameterKind::Object { parameters: band!(0.0, 90.0, "°") }, "steepness"),
-    parameter(
-        "height",
-        ParameterKind::Object { parameters: band!(FULL_HEIGHT.0, FULL_HEIGHT.1, "m") },
-        "height",
-    ),
-    parameter("aspect", ParameterKind::Object { parameters: ASPECT }, "which way the ground falls"),
-    parameter(
-        "curvature",
-        ParameterKind::Object { parameters: band!(-1.0e6, 1.0e6, "1/km") },
-        "how the ground bends: positive on crests, negative in hollows",
-    ),
-    parameter("noise", ParameterKind::Object { parameters: NOISE_GATE }, "a noise, normalised"),
-    parameter(
-        "image",
-        ParameterKind::Object { parameters: IMAGE },
-        "a picture laid over the world, white 1 and black 0",
-    ),
-    parameter("selection", ParameterKind::Flag { default: false }, "the terrain's selection"),
-    parameter("inverted", ParameterKind::Flag { default: false }, "acts where it otherwise would not"),
-];
+/// What a gate looks at; `noise` stands in the middle, where there is one.
+macro_rules! gate {
+    ($($noise:expr)?) => {
+        &[
+            parameter("slope", ParameterKind::Object { parameters: band!(0.0, 90.0, "°") }, "steepness"),
+            parameter(
+                "height",
+                ParameterKind::Object { parameters: band!(FULL_HEIGHT.0, FULL_HEIGHT.1, "m") },
+                "height",
+            ),
+            parameter("aspect", ParameterKind::Object { parameters: ASPECT }, "which way the ground falls"),
+            parameter(
+                "curvature",
+                ParameterKind::Object { parameters: band!(-1.0e6, 1.0e6, "1/km") },
+                "how the ground bends: positive on crests, negative in hollows",
+            ),
+            $($noise,)?
+            parameter(
+                "image",
+                ParameterKind::Object { parameters: IMAGE },
+                "a picture laid over the world, white 1 and black 0",
+            ),
+            parameter("selection", ParameterKind::Flag { default: false }, "the terrain's selection"),
+            parameter("inverted", ParameterKind::Flag { default: false }, "acts where it otherwise would not"),
+        ]
+    };
+}
 
-/// Those of a gate but for its noise: tables cannot hold themselves.
-pub(super) const ROUGHNESS: &[Parameter] = &[
-    parameter("slope", ParameterKind::Object { parameters: band!(0.0, 90.0, "°") }, "steepness"),
-    parameter(
-        "height",
-        ParameterKind::Object { parameters: band!(FULL_HEIGHT.0, FULL_HEIGHT.1, "m") },
-        "height",
-    ),
-    parameter("aspect", ParameterKind::Object { parameters: ASPECT }, "which way the ground falls"),
-    parameter(
-        "curvature",
-        ParameterKind::Object { parameters: band!(-1.0e6, 1.0e6, "1/km") },
-        "how the ground bends: positive on crests, negative in hollows",
-    ),
-    parameter(
-        "image",
-        ParameterKind::Object { parameters: IMAGE },
-        "a picture laid over the world, white 1 and black 0",
-    ),
-    parameter("selection", ParameterKind::Flag { default: false }, "the terrain's selection"),
-    parameter("inverted", ParameterKind::Flag { default: false }, "acts where it otherwise would not"),
-];
+const GATE: &[Parameter] =
+    gate!(parameter("noise", ParameterKind::Object { parameters: NOISE_GATE }, "a noise, normalised"));
+
+/// A gate without a noise: tables cannot hold themselves.
+pub(super) const ROUGHNESS: &[Parameter] = gate!();
 
 const IMAGE: &[Parameter] = &[
     parameter("file", ParameterKind::Text, "the picture: PNG or EXR"),

@@ -5,8 +5,8 @@ use serde_json::{Map, Value, json};
 use super::{gate, noise};
 use crate::Curve;
 use crate::brush::{
-    Alpha, Blending, Brush, BrushType, DataSource, Dynamics, Jitter, Parameter, ProfileShape, RangeMapping,
-    Symmetry, SymmetryKind,
+    Alpha, Brush, BrushType, DataSource, Dynamics, Jitter, Parameter, ProfileShape, RangeMapping, Symmetry,
+    SymmetryKind,
 };
 
 /// The word that a value serialises to.
@@ -38,9 +38,7 @@ impl Brush {
         put("flow", self.flow.into());
         put("spacing", self.spacing.into());
         put("pressure", word(&self.pressure));
-        // The default of a brush made by its fields is no word of those that users write.
-        let is_custom_wash = self.brush_type != BrushType::Custom && self.blending == Blending::Each;
-        put("blending", word(&if is_custom_wash { Blending::Wash } else { self.blending }));
+        put("blending", word(&self.blending));
         put("airbrush", self.is_airbrush.into());
         if self.dynamics != Dynamics::default() {
             put("dynamics", dynamics(&self.dynamics));
