@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use orogeny_field::noise::{NoiseFrame, NoiseKernel};
-use orogeny_field::{Band, Bitmap, FieldId, Gate, Page, PageKey, PageLayout, TerrainGrid};
+use orogeny_field::{Band, Bitmap, FieldId, Gate, Page, PageKey, PageLayout, TerrainGrid, mirrored};
 use orogeny_pages::PageStore;
 use orogeny_reference::gate::{self, Ground};
 
@@ -119,9 +119,9 @@ impl GatePlan {
         let mut ground = Vec::with_capacity((size as usize + 2).pow(2));
         let mut last = 0;
         for z in origin.z0 - 1..=origin.z1 {
-            let z = mirrored(z, self.grid.depth());
+            let z = mirrored(z, self.grid.depth()).cast_unsigned();
             for x in origin.x0 - 1..=origin.x1 {
-                let x = mirrored(x, self.grid.width());
+                let x = mirrored(x, self.grid.width()).cast_unsigned();
                 let place = (x / size, z / size);
                 if pages.get(last).is_none_or(|(known, _)| *known != place) {
                     last = match pages.iter().position(|(known, _)| *known == place) {
@@ -143,13 +143,6 @@ impl GatePlan {
     }
 }
 
-/// A sample's place on the terrain, mirrored at its border without repeating it; a place further off is that of the border.
-fn mirrored(place: i32, num_samples: u32) -> u32 {
-    let last = num_samples - 1;
-    let within = place.unsigned_abs();
-    if within <= last { within } else { last.saturating_sub(within - last) }
-}
-
 fn load(key: &PageKey, store: &mut dyn PageStore) -> Result<Page> {
     let layout = store.layout();
     let page = store.load_before(key).map_err(orogeny_pages::Error::Source)?;
@@ -158,18 +151,5 @@ fn load(key: &PageKey, store: &mut dyn PageStore) -> Result<Page> {
         Ok(page)
     } else {
         Err(Error::PageSize { expected: layout.size(), actual: page.size() })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn places_beyond_the_border_are_mirrored_in_it() {
-        for (place, expected) in [(-1, 1), (0, 0), (9, 9), (10, 8), (11, 7), (400, 0)] {
-            assert_eq!(mirrored(place, 10), expected, "{place}");
-        }
-        assert_eq!((mirrored(-1, 1), mirrored(1, 1)), (0, 0));
     }
 }

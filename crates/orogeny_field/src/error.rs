@@ -47,6 +47,22 @@ pub enum Error {
         /// What was given.
         actual: usize,
     },
+    /// A plane built from the wrong number of values.
+    #[error(
+        "a plane of {width} x {depth} samples with {num_channels} values each needs {expected}, {actual} were given"
+    )]
+    PlaneLength {
+        /// Samples along x.
+        width: u32,
+        /// Samples along z.
+        depth: u32,
+        /// Values a sample.
+        num_channels: u32,
+        /// How many it needs.
+        expected: usize,
+        /// What was given.
+        actual: usize,
+    },
     /// A height that is NaN, infinite or beyond what a terrain holds.
     #[error("the height {height_m} of {what} cannot be stored: heights are finite and within ±{limit_m} m")]
     Height {

@@ -30,6 +30,7 @@ mod instance;
 mod level;
 pub mod noise;
 mod page;
+mod plane;
 mod rect;
 mod stroke;
 
@@ -47,5 +48,6 @@ pub use height::{MAX_HEIGHT_M, check_height, is_storable_height, sanitized_heigh
 pub use instance::{Footprint, Instance, WeightMode};
 pub use level::{HeightBounds, rect_above, rect_below};
 pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
+pub use plane::{Plane, mirrored};
 pub use rect::SampleRect;
 pub use stroke::{MAX_COORDINATE_SAMPLES, MAX_STROKE_POINTS, PointerSample, Stroke};

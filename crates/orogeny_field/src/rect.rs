@@ -47,6 +47,24 @@ impl SampleRect {
         self.width() as u64 * self.depth() as u64
     }
 
+    /// The same rectangle with `margin` samples more on each side. Edges stop at the ends of `i32`.
+    #[must_use]
+    pub const fn grown(&self, margin: i32) -> Self {
+        Self {
+            x0: self.x0.saturating_sub(margin),
+            z0: self.z0.saturating_sub(margin),
+            x1: self.x1.saturating_add(margin),
+            z1: self.z1.saturating_add(margin),
+        }
+    }
+
+    /// Whether it holds all that `other` holds.
+    #[must_use]
+    pub const fn contains(&self, other: &Self) -> bool {
+        other.is_empty()
+            || (self.x0 <= other.x0 && self.z0 <= other.z0 && self.x1 >= other.x1 && self.z1 >= other.z1)
+    }
+
     /// What both hold.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {

@@ -1,0 +1,160 @@
+//! Planes: samples of any rectangle, apart from pages. What kernels that look at neighbours read and write.
+
+use crate::{Error, Result, SampleRect};
+
+/// Samples of a rectangle of a grid, row by row; of some quantities several values a sample, channel after channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plane {
+    rect: SampleRect,
+    num_channels: u32,
+    samples: Vec<f32>,
+}
+
+impl Plane {
+    /// A plane of one channel that holds one value everywhere.
+    #[must_use]
+    pub fn constant(rect: SampleRect, value: f32) -> Self {
+        Self::with_channels(rect, 1, value)
+    }
+
+    /// A plane of `num_channels` channels that holds one value everywhere.
+    #[must_use]
+    pub fn with_channels(rect: SampleRect, num_channels: u32, value: f32) -> Self {
+        Self { rect, num_channels, samples: vec![value; num_values(&rect, num_channels)] }
+    }
+
+    /// From its values: channel by channel, row by row.
+    ///
+    /// # Errors
+    /// [`Error::PlaneLength`] unless there are exactly as many as the rectangle has samples, for each channel.
+    pub fn from_samples(rect: SampleRect, num_channels: u32, samples: Vec<f32>) -> Result<Self> {
+        let expected = num_values(&rect, num_channels);
+        if samples.len() == expected {
+            Ok(Self { rect, num_channels, samples })
+        } else {
+            let (width, depth, actual) = (rect.width(), rect.depth(), samples.len());
+            Err(Error::PlaneLength { width, depth, num_channels, expected, actual })
+        }
+    }
+
+    /// The same memory as a plane of another rectangle, whose values are not defined until they are written.
+    #[must_use]
+    pub fn reused(mut self, rect: SampleRect, num_channels: u32) -> Self {
+        self.samples.resize(num_values(&rect, num_channels), 0.0);
+        Self { rect, num_channels, samples: self.samples }
+    }
+
+    /// The samples that it has, on their grid.
+    #[must_use]
+    pub const fn rect(&self) -> SampleRect {
+        self.rect
+    }
+
+    /// Values a sample.
+    #[must_use]
+    pub const fn num_channels(&self) -> u32 {
+        self.num_channels
+    }
+
+    /// All values, channel by channel, row by row.
+    #[must_use]
+    pub fn samples(&self) -> &[f32] {
+        &self.samples
+    }
+
+    /// All values, channel by channel, row by row, to be changed.
+    #[must_use]
+    pub fn samples_mut(&mut self) -> &mut [f32] {
+        &mut self.samples
+    }
+
+    /// All its memory.
+    #[must_use]
+    pub fn into_samples(self) -> Vec<f32> {
+        self.samples
+    }
+
+    /// Row `z` of the first channel, `z` on the grid; `None` where the plane does not have it.
+    #[must_use]
+    pub fn row(&self, z: i32) -> Option<&[f32]> {
+        self.channel_row(0, z)
+    }
+
+    /// Row `z` of a channel; `None` where the plane does not have it.
+    #[must_use]
+    pub fn channel_row(&self, channel: u32, z: i32) -> Option<&[f32]> {
+        self.samples.get(self.row_range(channel, z)?)
+    }
+
+    /// As [`Self::row`], to be changed.
+    #[must_use]
+    pub fn row_mut(&mut self, z: i32) -> Option<&mut [f32]> {
+        let range = self.row_range(0, z)?;
+        self.samples.get_mut(range)
+    }
+
+    /// One value of the first channel; `None` where the plane does not have it.
+    #[must_use]
+    pub fn at(&self, x: i32, z: i32) -> Option<f32> {
+        let column = usize::try_from(x.checked_sub(self.rect.x0)?).ok()?;
+        self.row(z)?.get(column).copied()
+    }
+
+    fn row_range(&self, channel: u32, z: i32) -> Option<std::ops::Range<usize>> {
+        let is_there = channel < self.num_channels && (self.rect.z0..self.rect.z1).contains(&z);
+        let width = self.rect.width() as usize;
+        let row = channel as usize * self.rect.depth() as usize + z.abs_diff(self.rect.z0) as usize;
+        is_there.then(|| row * width..(row + 1) * width)
+    }
+}
+
+const fn num_values(rect: &SampleRect, num_channels: u32) -> usize {
+    rect.area() as usize * num_channels as usize
+}
+
+/// The sample that lies where `place` does once a grid of `num_samples` is mirrored at its first and last sample, without
+/// repeating them: `dcb|abcd|cba`, as often as it takes.
+#[must_use]
+pub const fn mirrored(place: i32, num_samples: u32) -> i32 {
+    let last = num_samples.saturating_sub(1).cast_signed();
+    if last == 0 {
+        return 0;
+    }
+    let within = place.rem_euclid(2 * last);
+    if within <= last { within } else { 2 * last - within }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_beyond_a_grid_are_mirrored_in_it() {
+        for (place, expected) in
+            [(-1, 1), (0, 0), (9, 9), (10, 8), (11, 7), (18, 0), (19, 1), (-10, 8), (400, 4)]
+        {
+            assert_eq!(mirrored(place, 10), expected, "{place}");
+        }
+        assert_eq!((mirrored(-7, 1), mirrored(3, 1), mirrored(3, 2)), (0, 0, 1));
+        let largest = 1 << 20;
+        assert_eq!(mirrored((1 << 20) + 5, largest), (1 << 20) - 7);
+    }
+
+    #[test]
+    fn rows_are_named_by_their_place_on_the_grid() {
+        let rect = SampleRect::new(-2, 5, 1, 7);
+        let samples: Vec<f32> = (0..12).map(|value| value as f32).collect();
+        let mut plane = Plane::from_samples(rect, 2, samples).unwrap();
+        assert_eq!(plane.row(6), Some(&[3.0, 4.0, 5.0][..]));
+        assert_eq!(plane.channel_row(1, 5), Some(&[6.0, 7.0, 8.0][..]));
+        assert_eq!((plane.row(7), plane.row(4), plane.channel_row(2, 5)), (None, None, None));
+        assert_eq!(
+            (plane.at(-2, 5), plane.at(0, 6), plane.at(1, 6), plane.at(-3, 6)),
+            (Some(0.0), Some(5.0), None, None)
+        );
+        plane.row_mut(5).unwrap()[0] = 9.0;
+        assert_eq!(plane.at(-2, 5), Some(9.0));
+        assert!(Plane::from_samples(rect, 1, vec![0.0; 5]).is_err());
+        assert_eq!(plane.reused(SampleRect::new(0, 0, 5, 5), 1).samples().len(), 25);
+    }
+}
