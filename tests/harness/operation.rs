@@ -161,7 +161,7 @@ fn for_each_batch(
         Operation::Fill { brush, seed, region } => {
             let fill =
                 plan_fill(brush, *seed, canvas(brush, *grid, layout, field), resources(brush), *region)?;
-            for batch in fill.split(feed.max_batch) {
+            for batch in fill.split(layout, feed.max_batch) {
                 act(batch, store)?;
             }
         }

@@ -1,5 +1,6 @@
 //! How many instances act on each sample of a plane, and how far apart two back ends may be there.
 
+use orogeny_brush::filter::Step;
 use orogeny_brush::{Batch, Rule};
 use orogeny_field::noise::Turbulence;
 use orogeny_field::{FalloffFormula, Footprint, Instance, SampleRect, WeightMode};
@@ -14,6 +15,7 @@ pub struct Reach {
     num_instances: Vec<u32>,
     sum_of_amounts: Vec<f64>,
     largest_amplitude: f32,
+    range_m: f64,
     has_transcendentals: bool,
     goal: Goal,
 }
@@ -29,6 +31,8 @@ enum Goal {
     Scale { metres: f64, magnified: f64 },
     /// The share of an amount, in metres, that two back ends may differ by.
     Noise(f64),
+    /// The share of the range of all heights that they may differ by after each instance.
+    Filter(f64),
 }
 
 /// What an amount of 1 is worth, by what a kernel does.
@@ -45,6 +49,13 @@ fn goal(rule: &Rule) -> Goal {
         // Of the heights that its instances have: see `add_instance`.
         Rule::Ramp { .. } => scale(1.0, 1.0),
         Rule::Mask { .. } => scale(1.0, 1.0),
+        // What is sharpened is as far again from its neighbours, by the gain.
+        Rule::Filter(filter) => {
+            Goal::Filter(filter.graph.nodes().iter().fold(1.0e-5, |share, node| match node.step {
+                Step::Sharpen { gain } => share * (1.0 + f64::from(gain)),
+                _ => share,
+            }))
+        }
         Rule::Noise(kernel) => {
             let amplitude: f64 =
                 kernel.scales.iter().take(kernel.slots.main as usize).map(|scale| scale.weight).sum();
@@ -71,6 +82,7 @@ impl Reach {
             num_instances: vec![0; num_samples],
             sum_of_amounts: vec![0.0; num_samples],
             largest_amplitude: 0.0,
+            range_m: range_m(plane),
             has_transcendentals: false,
             goal: Goal::Metres,
         };
@@ -138,7 +150,7 @@ impl Reach {
     pub fn share(batch: &Batch) -> f64 {
         match goal(&batch.pass.rule) {
             Goal::Noise(share) => share,
-            Goal::Metres | Goal::Height(_) | Goal::Scale { .. } => 0.0,
+            Goal::Metres | Goal::Height(_) | Goal::Scale { .. } | Goal::Filter(_) => 0.0,
         }
     }
 
@@ -163,7 +175,8 @@ impl Reach {
     /// How far apart two back ends may be at a sample whose height went from `before_m` to `after_m`: `(4 + 2 sqrt K)` units
     /// in the last place of the largest of the two, the amplitude and 1 m for `K` instances, and 4e-6 of the sum of their
     /// amounts where these take an exponential, a power or a hyperbolic tangent. Amplitude and amounts are in metres: those of
-    /// a blending brush are shares of the way to its target, and count that often. Where no instance acts, not a bit; only a
+    /// a blending brush are shares of the way to its target, and count that often. For each instance of one that looks at
+    /// neighbours, 1e-5 of the range of all heights. Where no instance acts, not a bit; only a
     /// denormal may become 0, since a kernel rounds its rectangle up.
     #[must_use]
     pub fn tolerance(&self, x: u32, z: u32, before_m: f32, after_m: f32) -> Tolerance {
@@ -174,7 +187,7 @@ impl Reach {
         }
         let way_m = |target_m: f32| (target_m - before_m).abs().max((target_m - after_m).abs());
         let (amplitude_m, metres, magnified) = match self.goal {
-            Goal::Metres | Goal::Noise(_) => (self.largest_amplitude, 1.0, 1.0),
+            Goal::Metres | Goal::Noise(_) | Goal::Filter(_) => (self.largest_amplitude, 1.0, 1.0),
             Goal::Height(target_m) => (way_m(target_m), f64::from(way_m(target_m)), 1.0),
             Goal::Scale { metres, magnified } => (metres as f32, metres, magnified),
         };
@@ -182,6 +195,10 @@ impl Reach {
         let mut absolute_m = if self.has_transcendentals { 4.0e-6 * sum_of_amounts_m } else { 0.0 };
         if let Goal::Noise(share) = self.goal {
             absolute_m += share * sum_of_amounts_m;
+        }
+        if let Goal::Filter(share) = self.goal {
+            // What one instance left different, the next ones take along.
+            absolute_m += share * self.range_m * f64::from(self.most_instances());
         }
         Tolerance {
             ulps: magnified * (4.0 + 2.0 * f64::from(num_instances).sqrt()),
@@ -193,6 +210,12 @@ impl Reach {
     const fn index(&self, x: u32, z: u32) -> usize {
         z as usize * self.width as usize + x as usize
     }
+}
+
+/// From the lowest height to the highest.
+fn range_m(plane: &Plane) -> f64 {
+    let heights = || plane.samples().iter().map(|height_m| f64::from(*height_m));
+    heights().fold(f64::MIN, f64::max) - heights().fold(f64::MAX, f64::min)
 }
 
 #[cfg(test)]

@@ -34,8 +34,8 @@ fn profiles() -> [(&'static str, ProfileShape, f64); 11] {
 
 /// Whether a brush can be applied without a stroke.
 fn can_fill(brush: &Brush) -> bool {
-    let follows = brush.noise.direction.is_some_and(|direction| direction.follows_stroke);
-    !matches!(brush.brush_type, BrushType::Ramp | BrushType::Stamp) && brush.alpha.is_none() && !follows
+    let needs_stroke = matches!(brush.brush_type, BrushType::Ramp | BrushType::Stamp | BrushType::Smear);
+    !needs_stroke && brush.alpha.is_none()
 }
 
 /// Samples a side of a page, and a terrain of several of them, the last ones cut off by its edge.

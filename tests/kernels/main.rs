@@ -5,6 +5,7 @@
 #![cfg(test)]
 
 mod agreement;
+mod blend;
 mod centre_line;
 mod ledge;
 mod level;

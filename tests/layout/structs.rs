@@ -2,6 +2,12 @@
 
 use std::collections::BTreeSet;
 
+use orogeny_brush::filter::kernels::convolve::ConvolveUniform;
+use orogeny_brush::filter::kernels::interpolate::InterpolateUniform;
+use orogeny_brush::filter::kernels::sharpen::SharpenUniform;
+use orogeny_brush::filter::kernels::shift::ShiftUniform;
+use orogeny_brush::filter::kernels::{PlaneUniform, StepUniform};
+use orogeny_brush::kernels::blend::BlendUniform;
 use orogeny_brush::kernels::custom::CustomUniform;
 use orogeny_brush::kernels::ledge::LedgeUniform;
 use orogeny_brush::kernels::level::LevelUniform;
@@ -13,8 +19,8 @@ use orogeny_brush::kernels::roughen::RoughenUniform;
 use orogeny_brush::kernels::stamp::StampUniform;
 use orogeny_brush::kernels::terrace::TerraceUniform;
 use orogeny_brush::{BrushUniform, Tile};
-use orogeny_field::Instance;
 use orogeny_field::noise::{FrameOctave, LatticePoint, LatticeStep};
+use orogeny_field::{Instance, PhaseWeights};
 use orogeny_shaders::{SHADERS, Shader, Struct};
 
 /// A field of a struct: name, offset and size in bytes.
@@ -96,6 +102,14 @@ fn mirrors() -> Vec<Mirror> {
             }
         ),
         mirror!("Brush", BrushUniform { inverse_falloff_ratio, falloff_exponent, falloff_scale }),
+        mirror!("Plane", PlaneUniform { origin, stride, padding }),
+        mirror!("Step", StepUniform { result, first, second, size, mirrored_in }),
+        mirror!("Convolve", ConvolveUniform { stride, num_weights }),
+        mirror!("Interpolate", InterpolateUniform { num_phases }),
+        mirror!("PhaseWeights", PhaseWeights { before, next, after_next }),
+        mirror!("Sharpen", SharpenUniform { gain }),
+        mirror!("Shift", ShiftUniform { cell, fraction }),
+        mirror!("Blend", BlendUniform { goal_origin, goal_stride, padding }),
         mirror!("Ledge", LedgeUniform { direction }),
         mirror!("Level", LevelUniform { target_height_m, only }),
         mirror!("Ramp", RampUniform { is_smooth, level_only }),

@@ -4,7 +4,7 @@ use orogeny_field::noise::{Noise, Normalization, Turbulence};
 use orogeny_field::{
     Alpha, AlphaRotation, Blending, Brush, BrushType, Coverage, DataSource, FieldId, Jitter, LedgeDirection,
     LevelOnly, PageLayout, PointerSample, PressureTarget, ProfileShape, RangeMap, RangeMapping, SampleRect,
-    Stamp, StampMode, Stroke, Terrace, TerrainGrid, is_storable_height,
+    SmoothMethod, Smoothing, Stamp, StampMode, Stroke, Terrace, TerrainGrid, is_storable_height,
 };
 use orogeny_tests::{Feed, Operation, Plane, Random, compare, gpu, paint, terrain};
 use proptest::prelude::*;
@@ -105,6 +105,11 @@ fn extreme_brush(random: &mut Random) -> Brush {
         direction: random.one_of(&[LedgeDirection::Raise, LedgeDirection::Lower]),
         only: random.one_of(&[LevelOnly::Both, LevelOnly::Cut, LevelOnly::Fill]),
         flow: random.one_of(&[0.0, 1.0e-30, 0.5, 1.0]),
+        smoothing: Smoothing {
+            method: random.one_of(&[SmoothMethod::Gaussian, SmoothMethod::Lattice]),
+            width_m: random.one_of(&[None, Some(1.0e-3), Some(512.0)]),
+            gain: random.one_of(&[0.0, 1.0, 16.0]),
+        },
         jitter: random.one_of(&[Jitter::default(), Jitter { radius: 1.0, position: 4.0, strength: 1.0 }]),
         alpha: (brush_type == BrushType::Stamp).then(|| Alpha {
             source: DataSource::File("a picture".to_owned()),
@@ -166,7 +171,7 @@ fn no_parameters_write_a_height_that_cannot_be_stored() {
         // A ramp leads somewhere.
         let is_ramp = brush.brush_type == BrushType::Ramp;
         let num_points = if is_ramp { 4 } else { random.one_of(&[1, 4]) };
-        let can_fill = !is_ramp && brush.brush_type != BrushType::Stamp;
+        let can_fill = !is_ramp && !matches!(brush.brush_type, BrushType::Stamp | BrushType::Smear);
         let points = points[..num_points].to_vec();
         let fill_brush = Brush { height_m: brush.height_m.or(Some(1.0e7)), ..brush.clone() };
         let operations = [

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use orogeny_brush::{CpuExecutor, GpuBudget, GpuExecutor};
-use orogeny_field::{Brush, FieldId, PageKey, PageLayout, TerrainGrid};
+use orogeny_field::{Blending, Brush, BrushType, FieldId, PageKey, PageLayout, Smoothing, TerrainGrid};
 use orogeny_pages::MemoryPages;
 use orogeny_tests::{Feed, WatchedPages, apply, gpu};
 
@@ -34,6 +34,35 @@ fn a_stroke_over_three_pages_of_a_hundred_thousand_loads_only_these() {
             assert!(store.num_calls() < 40, "{what}: {} calls", store.num_calls());
             if brush == raise() {
                 assert_eq!(store.pages().num_loads(), 3, "{what}: each page once");
+            }
+        }
+    }
+}
+
+/// A brush that looks at neighbours also reads the pages that they lie on, and those alone.
+#[test]
+fn smoothing_loads_the_pages_within_its_width_and_changes_only_those_it_touches() {
+    let layout = PageLayout::default();
+    let grid = TerrainGrid::new(81_152, 81_152, 1.0).unwrap();
+    let key = |x, z| PageKey::full_resolution(FIELD, x, z);
+    let start = [200.5 * 256.0, 100.03 * 256.0];
+    let touched: BTreeSet<_> = [key(200, 100), key(200, 99)].into();
+    let gpu = gpu();
+    for (width_m, looked_at) in [(2.0, [200..=200, 99..=100]), (60.0, [199..=201, 98..=101])] {
+        for blending in [Blending::BuildUp, Blending::Wash] {
+            let smoothing = Smoothing { width_m: Some(width_m), ..Smoothing::default() };
+            let brush = Brush { smoothing, blending, ..Brush::new(BrushType::Smooth, 40.0, 0.5) };
+            for mut executor in executors(&gpu, layout, 32) {
+                let mut store = WatchedPages::new(MemoryPages::new(layout, 100.0));
+                let operation = stroke(brush.clone(), &[start]);
+                apply(&operation, &grid, FIELD, &mut *executor, &mut store, Feed::WHOLE).unwrap();
+                let what = format!("{width_m} m, {blending:?}, on {}", executor.description());
+                let [columns, rows] = looked_at.clone();
+                let allowed: BTreeSet<_> =
+                    rows.flat_map(|z| columns.clone().map(move |x| key(x, z))).collect();
+                assert!(store.loaded().is_subset(&allowed), "{what}: {:?}", store.loaded());
+                assert!(store.loaded().is_superset(&touched), "{what}: {:?}", store.loaded());
+                assert_eq!(store.saved(), &touched, "{what}");
             }
         }
     }

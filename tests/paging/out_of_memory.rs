@@ -57,7 +57,7 @@ fn fill(executor: &mut GpuExecutor, layout: PageLayout, strength: f64, region: S
         plan_fill(&brush, 0, Canvas::heights(grid, layout, FIELD), Resources::default(), region).unwrap();
     let expected_m = 100.0 + strength as f32;
     let mut store = Looked { layout, expected_m, saved: BTreeSet::new() };
-    for batch in plan.split(64) {
+    for batch in plan.split(layout, 64) {
         executor.run(&batch, &mut store).unwrap();
     }
     executor.finish(&mut store).unwrap();

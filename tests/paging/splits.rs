@@ -3,8 +3,8 @@
 use orogeny_brush::Executor;
 use orogeny_field::noise::{Noise, NoiseDirection, Normalization, Seeding, Turbulence};
 use orogeny_field::{
-    Alpha, AlphaRotation, AspectGate, Band, Brush, BrushType, DataSource, Gate, Jitter, NoiseGate,
-    PageLayout, PointerSample, SampleRect, Symmetry, SymmetryKind, Terrace,
+    Alpha, AlphaRotation, AspectGate, Band, Blending, Brush, BrushType, DataSource, Gate, Jitter, NoiseGate,
+    PageLayout, PointerSample, SampleRect, SmoothMethod, Smoothing, Symmetry, SymmetryKind, Terrace,
 };
 use orogeny_gpu::Gpu;
 use orogeny_tests::{Feed, Operation, Plane, Split, compare, gpu, paint, terrain};
@@ -92,6 +92,37 @@ fn further_operations() -> Vec<Operation> {
     ]
 }
 
+/// What looks at neighbours, over page borders and the terrain's.
+fn neighbourhood_operations() -> Vec<Operation> {
+    let smooth = |method, blending, width_m| Brush {
+        smoothing: Smoothing { method, width_m: Some(width_m), ..Smoothing::default() },
+        blending,
+        ..Brush::new(BrushType::Smooth, 24.0, 0.7)
+    };
+    let steep = Gate { slope_deg: Some(Band { min: 5.0, max: 60.0, feather: 20.0 }), ..Gate::default() };
+    let gated = Brush { gate: Some(Box::new(steep)), ..smooth(SmoothMethod::Gaussian, Blending::Wash, 9.0) };
+    let sharpen = Brush {
+        symmetry: Some(Symmetry { kind: SymmetryKind::Point, centre_m: [90.0, 80.0] }),
+        ..Brush::new(BrushType::Sharpen, 18.0, 0.3)
+    };
+    vec![
+        stroke(smooth(SmoothMethod::Gaussian, Blending::BuildUp, 2.5), &LOOP),
+        stroke(sharpen, &LOOP[..4]),
+        stroke(gated, &LOOP),
+        stroke(Brush::new(BrushType::Smear, 20.0, 0.8), &LOOP),
+        stroke(smooth(SmoothMethod::Lattice, Blending::BuildUp, 4.0), &LOOP[1..]),
+        Operation::Fill {
+            brush: smooth(SmoothMethod::Gaussian, Blending::BuildUp, 21.0),
+            seed: 0,
+            region: SampleRect::new(30, 10, 190, 140),
+        },
+        stroke(
+            smooth(SmoothMethod::Gaussian, Blending::Wash, 3.0),
+            &[LOOP.as_slice(), LOOP.as_slice()].concat(),
+        ),
+    ]
+}
+
 fn ground() -> Plane {
     terrain::random(200, 150, 5)
 }
@@ -149,13 +180,14 @@ fn on_the_cpu_with_one_thread() {
     let make = |layout, pages| Box::new(cpu_executor(layout, pages, 1)) as Box<dyn Executor>;
     assert_no_split_matters(&operations(), make, &feeds());
     assert_no_split_matters(&further_operations(), make, &feeds());
+    assert_no_split_matters(&neighbourhood_operations(), make, &feeds());
 }
 
 #[test]
 fn on_the_cpu_with_two_threads_and_the_same_as_with_one() {
     let make = |layout, pages| Box::new(cpu_executor(layout, pages, 2)) as Box<dyn Executor>;
     assert_no_split_matters(&operations(), make, &feeds()[..3]);
-    for operations in [operations(), further_operations()] {
+    for operations in [operations(), further_operations(), neighbourhood_operations()] {
         let [one, two] = [1, 2].map(|threads| {
             painted(&operations, &mut cpu_executor(layout(64), 1000, threads), layout(64), Feed::WHOLE)
         });
@@ -169,6 +201,7 @@ fn on_the_gpu() {
     let make = |layout, pages| Box::new(gpu_executor(&gpu, layout, pages)) as Box<dyn Executor>;
     assert_no_split_matters(&operations(), make, &feeds());
     assert_no_split_matters(&further_operations(), make, &feeds()[..2]);
+    assert_no_split_matters(&neighbourhood_operations(), make, &feeds()[..2]);
     gpu.check().unwrap();
 }
 

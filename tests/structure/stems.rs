@@ -32,11 +32,22 @@ const PLACES: [Place; 4] = [
     },
 ];
 
+/// The same of the steps that filters are made of.
+const STEP_PLACES: [Place; 3] = [
+    Place { folder: "shaders/field", extension: "wgsl", exceptions: &[] },
+    Place {
+        folder: "crates/orogeny_reference/src/field",
+        extension: "rs",
+        exceptions: &[MODULE, ("coarsen", "makes coarser levels, on the CPU")],
+    },
+    Place { folder: "crates/orogeny_brush/src/filter/kernels", extension: "rs", exceptions: &[MODULE] },
+];
+
 /// Every file that a stage lacks, and every folder that is not there.
-fn orphans(root: &Path) -> Vec<String> {
+fn orphans(root: &Path, places: &[Place]) -> Vec<String> {
     let mut problems = Vec::new();
     let mut stems_of = BTreeMap::new();
-    for place in &PLACES {
+    for place in places {
         match stems(root, place) {
             Ok(stems) => _ = stems_of.insert(place.folder, stems),
             Err(err) => problems.push(format!("{}: {err}", place.folder)),
@@ -47,7 +58,7 @@ fn orphans(root: &Path) -> Vec<String> {
         problems.push("there is no stage at all".to_owned());
     }
     for stem in all {
-        for place in &PLACES {
+        for place in places {
             if !stems_of.get(place.folder).is_some_and(|stems| stems.contains(stem)) {
                 problems
                     .push(format!("the stage `{stem}` lacks {}/{stem}.{}", place.folder, place.extension));
@@ -72,7 +83,8 @@ fn stems(root: &Path, place: &Place) -> std::io::Result<BTreeSet<String>> {
 
 #[test]
 fn every_stage_has_its_stem_in_every_folder() {
-    assert_none(&orphans(&root()));
+    assert_none(&orphans(&root(), &PLACES));
+    assert_none(&orphans(&root(), &STEP_PLACES));
 }
 
 mod bad_trees {
@@ -106,14 +118,14 @@ mod bad_trees {
             "tests/kernels/main.rs",
             "shaders/brush/README.md",
         ];
-        assert_none(&orphans(tree(&[RAISE.as_slice(), &beside].concat()).path()));
+        assert_none(&orphans(tree(&[RAISE.as_slice(), &beside].concat()).path(), &PLACES));
     }
 
     #[test]
     fn each_absence_is_found() {
         for absent in RAISE {
             let rest: Vec<_> = RAISE.into_iter().filter(|file| *file != absent).collect();
-            assert_eq!(orphans(tree(&rest).path()), [format!("the stage `raise` lacks {absent}")]);
+            assert_eq!(orphans(tree(&rest).path(), &PLACES), [format!("the stage `raise` lacks {absent}")]);
         }
     }
 
@@ -121,7 +133,7 @@ mod bad_trees {
     fn an_orphan_is_found_in_each_folder() {
         for place in PLACES {
             let orphan = format!("{}/stray.{}", place.folder, place.extension);
-            let problems = orphans(tree(&[RAISE.as_slice(), &[orphan.as_str()]].concat()).path());
+            let problems = orphans(tree(&[RAISE.as_slice(), &[orphan.as_str()]].concat()).path(), &PLACES);
             assert_eq!(problems.len(), PLACES.len() - 1, "{problems:?}");
             assert!(
                 problems.iter().all(|problem| problem.starts_with("the stage `stray` lacks ")),
@@ -132,14 +144,15 @@ mod bad_trees {
 
     #[test]
     fn an_exception_of_one_folder_is_none_in_another() {
-        let problems = orphans(tree(&[RAISE.as_slice(), &["shaders/brush/main.wgsl"]].concat()).path());
+        let problems =
+            orphans(tree(&[RAISE.as_slice(), &["shaders/brush/main.wgsl"]].concat()).path(), &PLACES);
         assert_eq!(problems.len(), PLACES.len() - 1, "{problems:?}");
     }
 
     #[test]
     fn no_stage_and_no_folder_are_failures() {
-        assert_eq!(orphans(tree(&[]).path()), ["there is no stage at all"]);
+        assert_eq!(orphans(tree(&[]).path(), &PLACES), ["there is no stage at all"]);
         let nothing = tempfile::tempdir().unwrap();
-        assert_eq!(orphans(nothing.path()).len(), PLACES.len() + 1);
+        assert_eq!(orphans(nothing.path(), &PLACES).len(), PLACES.len() + 1);
     }
 }

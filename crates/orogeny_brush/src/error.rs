@@ -33,6 +33,18 @@ pub enum Error {
         /// The limit.
         limit: u64,
     },
+    /// What a filter looks at at once is more than a buffer of the GPU holds. Use a smaller width, or the CPU back end.
+    #[error(
+        "a filter looks at {width} x {depth} samples at once, and a buffer of the GPU holds {limit_in_bytes} bytes; use a smaller width, or `--adapter cpu`"
+    )]
+    PlaneSize {
+        /// Samples along x.
+        width: u32,
+        /// Samples along z.
+        depth: u32,
+        /// The limit.
+        limit_in_bytes: u64,
+    },
     /// The GPU failed.
     #[error(transparent)]
     Gpu(#[from] orogeny_gpu::Error),

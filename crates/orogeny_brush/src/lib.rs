@@ -15,6 +15,7 @@ mod error;
 mod execute;
 mod executor_cpu;
 mod executor_gpu;
+pub mod filter;
 mod frames;
 mod gate;
 

@@ -1,10 +1,12 @@
 //! Work as plain data: what a kernel is to do, with which instances, on which pages.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use orogeny_field::noise::NoiseFrame;
 use orogeny_field::{Bitmap, FieldId, Footprint, Instance, PageKey, PageLayout, SampleRect, WeightMode};
 
+use crate::filter;
 use crate::gate::GatePlan;
 use crate::kernels::Rule;
 
@@ -78,7 +80,7 @@ impl Batch {
     /// Plans instances over pages. An instance is left out of a page that its circle does not reach.
     #[must_use]
     pub fn new(pass: Pass, layout: PageLayout, instances: Vec<Instance>, bounds: Vec<SampleRect>) -> Self {
-        let mut pages = std::collections::BTreeMap::<PageKey, PageWork>::new();
+        let mut pages = BTreeMap::<PageKey, PageWork>::new();
         for (index, (instance, bound)) in instances.iter().zip(&bounds).enumerate() {
             for (x, z) in layout.pages_in(*bound) {
                 let key = PageKey::full_resolution(pass.field, x, z);
@@ -107,13 +109,27 @@ impl Batch {
     }
 
     /// The same work in pieces of at most `max_pages` pages each, which may be run one after another. A piece has all of the
-    /// batch's instances and bounds; its pages say what of them is to be done.
-    pub fn split(mut self, max_pages: usize) -> impl Iterator<Item = Self> {
-        let mut rest = std::mem::take(&mut self.pages).into_iter();
-        std::iter::from_fn(move || {
-            let pages: Vec<_> = rest.by_ref().take(max_pages.max(1)).collect();
-            (!pages.is_empty()).then(|| Self { pages, ..self.clone() })
-        })
+    /// batch's instances and bounds; its pages say what of them is to be done. What works on the ground as it is all around
+    /// is one piece; a filter's pieces are its blocks.
+    pub fn split(mut self, layout: PageLayout, max_pages: usize) -> impl Iterator<Item = Self> {
+        let pages = std::mem::take(&mut self.pages);
+        let pieces: Vec<Vec<PageWork>> = match &self.pass.rule {
+            _ if pages.is_empty() => Vec::new(),
+            Rule::Filter(filter) if filter.is_sequential => vec![pages],
+            Rule::Filter(filter) => {
+                let blocks = filter::blocks(layout, &pages, filter.graph.halo());
+                blocks.into_iter().map(|block| block.pages).collect()
+            }
+            _ => {
+                let mut rest = pages.into_iter().peekable();
+                std::iter::from_fn(|| {
+                    rest.peek()?;
+                    Some(rest.by_ref().take(max_pages.max(1)).collect())
+                })
+                .collect()
+            }
+        };
+        pieces.into_iter().map(move |pages| Self { pages, ..self.clone() })
     }
 }
 
@@ -154,7 +170,7 @@ mod tests {
         let batch = Batch::new(pass, layout, vec![everywhere], bounds);
         assert_eq!(batch.pages.len(), 20);
         for max_pages in [1, 7, 20, 100] {
-            let pieces: Vec<_> = batch.clone().split(max_pages).collect();
+            let pieces: Vec<_> = batch.clone().split(layout, max_pages).collect();
             assert_eq!(pieces.len(), 20_usize.div_ceil(max_pages));
             assert!(
                 pieces.iter().all(|piece| piece.instances == batch.instances && piece.bounds == batch.bounds)

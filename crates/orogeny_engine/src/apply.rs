@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, StrokePlanner, plan_fill, resolved};
 use orogeny_field::{Brush, BrushType, PageLayout, Stroke, TerrainGrid};
+use orogeny_pages::PageStore as _;
 use orogeny_store::{EntryId, Layer, Recording};
 
 use crate::pages::RecordedPages;
@@ -263,7 +264,7 @@ fn run_batch(
 ) -> Result<()> {
     let mut num_done = 0;
     tell(num_done)?;
-    for piece in batch.split(BATCH_PAGES) {
+    for piece in batch.split(pages.layout(), BATCH_PAGES) {
         executor.run(&piece, pages)?;
         num_done += piece.pages.len() as u64;
         tell(num_done)?;

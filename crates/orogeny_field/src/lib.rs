@@ -23,6 +23,7 @@ mod bitmap;
 mod brush;
 mod curve;
 mod error;
+mod filter;
 mod grid;
 pub mod hash;
 mod height;
@@ -39,10 +40,12 @@ pub use brush::{
     Alpha, AlphaRotation, AspectGate, Band, Blending, Brush, BrushType, Coverage, Custom, DataSource,
     Dynamics, Falloff, FalloffFormula, Gate, GateImage, HeightRange, Jitter, LedgeDirection, LevelOnly,
     NoiseGate, PARAMETERS, Parameter, ParameterKind, PressureTarget, Profile, ProfileShape, RampAlong,
-    RangeFormula, RangeMap, RangeMapping, Stamp, StampMode, Symmetry, SymmetryKind, Terrace, TerraceSteps,
+    RangeFormula, RangeMap, RangeMapping, SmoothMethod, Smoothing, Stamp, StampMode, Symmetry, SymmetryKind,
+    Terrace, TerraceSteps,
 };
 pub use curve::{CURVE_TABLE_LENGTH, Curve, CurveTable, MAX_CURVE_POINTS};
 pub use error::{Error, Result};
+pub use filter::{PYRAMID_PHASES, PYRAMID_WEIGHTS, PhaseWeights, b_spline_phases, gaussian_weights};
 pub use grid::{MAX_SIDE_SAMPLES, MAX_SPACING_M, MIN_SPACING_M, TerrainGrid};
 pub use height::{MAX_HEIGHT_M, check_height, is_storable_height, sanitized_height};
 pub use instance::{Footprint, Instance, WeightMode};

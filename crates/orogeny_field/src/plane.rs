@@ -3,11 +3,12 @@
 use crate::{Error, Result, SampleRect};
 
 /// Samples of a rectangle of a grid, row by row; of some quantities several values a sample, channel after channel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Plane {
     rect: SampleRect,
     num_channels: u32,
-    samples: Vec<f32>,
+    /// At least as many as it has values: memory that was a larger plane's keeps its length, so that it need not be filled anew.
+    memory: Vec<f32>,
 }
 
 impl Plane {
@@ -20,7 +21,7 @@ impl Plane {
     /// A plane of `num_channels` channels that holds one value everywhere.
     #[must_use]
     pub fn with_channels(rect: SampleRect, num_channels: u32, value: f32) -> Self {
-        Self { rect, num_channels, samples: vec![value; num_values(&rect, num_channels)] }
+        Self { rect, num_channels, memory: vec![value; num_values(&rect, num_channels)] }
     }
 
     /// From its values: channel by channel, row by row.
@@ -30,7 +31,7 @@ impl Plane {
     pub fn from_samples(rect: SampleRect, num_channels: u32, samples: Vec<f32>) -> Result<Self> {
         let expected = num_values(&rect, num_channels);
         if samples.len() == expected {
-            Ok(Self { rect, num_channels, samples })
+            Ok(Self { rect, num_channels, memory: samples })
         } else {
             let (width, depth, actual) = (rect.width(), rect.depth(), samples.len());
             Err(Error::PlaneLength { width, depth, num_channels, expected, actual })
@@ -40,8 +41,11 @@ impl Plane {
     /// The same memory as a plane of another rectangle, whose values are not defined until they are written.
     #[must_use]
     pub fn reused(mut self, rect: SampleRect, num_channels: u32) -> Self {
-        self.samples.resize(num_values(&rect, num_channels), 0.0);
-        Self { rect, num_channels, samples: self.samples }
+        let num_values = num_values(&rect, num_channels);
+        if self.memory.len() < num_values {
+            self.memory.resize(num_values, 0.0);
+        }
+        Self { rect, num_channels, memory: self.memory }
     }
 
     /// The samples that it has, on their grid.
@@ -59,19 +63,19 @@ impl Plane {
     /// All values, channel by channel, row by row.
     #[must_use]
     pub fn samples(&self) -> &[f32] {
-        &self.samples
+        self.memory.get(..num_values(&self.rect, self.num_channels)).unwrap_or_default()
     }
 
     /// All values, channel by channel, row by row, to be changed.
     #[must_use]
     pub fn samples_mut(&mut self) -> &mut [f32] {
-        &mut self.samples
+        self.memory.get_mut(..num_values(&self.rect, self.num_channels)).unwrap_or_default()
     }
 
-    /// All its memory.
+    /// How many values its memory could hold.
     #[must_use]
-    pub fn into_samples(self) -> Vec<f32> {
-        self.samples
+    pub fn capacity(&self) -> usize {
+        self.memory.len()
     }
 
     /// Row `z` of the first channel, `z` on the grid; `None` where the plane does not have it.
@@ -83,14 +87,14 @@ impl Plane {
     /// Row `z` of a channel; `None` where the plane does not have it.
     #[must_use]
     pub fn channel_row(&self, channel: u32, z: i32) -> Option<&[f32]> {
-        self.samples.get(self.row_range(channel, z)?)
+        self.memory.get(self.row_range(channel, z)?)
     }
 
     /// As [`Self::row`], to be changed.
     #[must_use]
     pub fn row_mut(&mut self, z: i32) -> Option<&mut [f32]> {
         let range = self.row_range(0, z)?;
-        self.samples.get_mut(range)
+        self.memory.get_mut(range)
     }
 
     /// One value of the first channel; `None` where the plane does not have it.
@@ -105,6 +109,13 @@ impl Plane {
         let width = self.rect.width() as usize;
         let row = channel as usize * self.rect.depth() as usize + z.abs_diff(self.rect.z0) as usize;
         is_there.then(|| row * width..(row + 1) * width)
+    }
+}
+
+impl PartialEq for Plane {
+    fn eq(&self, other: &Self) -> bool {
+        let shape = |plane: &Self| (plane.rect, plane.num_channels);
+        shape(self) == shape(other) && self.samples() == other.samples()
     }
 }
 

@@ -13,6 +13,7 @@ mod measure;
 mod noise;
 mod raise;
 mod report;
+mod smooth;
 mod stores;
 mod terrain;
 
@@ -21,7 +22,7 @@ use anyhow::{Context as _, bail};
 use crate::report::Report;
 
 /// What can be measured.
-const WHAT: [&str; 5] = ["raise", "noise", "codecs", "stores", "terrain"];
+const WHAT: [&str; 6] = ["raise", "noise", "smooth", "codecs", "stores", "terrain"];
 
 struct Arguments {
     what: Vec<String>,
@@ -36,6 +37,7 @@ fn main() -> anyhow::Result<()> {
         match what.as_str() {
             "raise" => raise::run(&mut report, arguments.repeat)?,
             "noise" => noise::run(&mut report, arguments.repeat)?,
+            "smooth" => smooth::run(&mut report, arguments.repeat)?,
             "codecs" => codecs::run(&mut report, arguments.repeat)?,
             "stores" => stores::run(&mut report, arguments.repeat)?,
             "terrain" => terrain::run(&mut report, arguments.repeat)?,

@@ -25,6 +25,16 @@ impl Times {
         result
     }
 
+    /// Adds what was measured elsewhere.
+    pub fn add(&mut self, seconds: f64) {
+        self.seconds.push(seconds);
+    }
+
+    /// Whether nothing was measured.
+    pub const fn is_empty(&self) -> bool {
+        self.seconds.is_empty()
+    }
+
     /// The middle one.
     pub fn median_s(&self) -> f64 {
         self.spread_s().median

@@ -4,9 +4,12 @@
 //! when they arrive), dispatches one workgroup a tile, and submits. Pages are uploaded by commands of the same submission, so
 //! that everything happens in the order in which it is written here.
 
+mod goals;
+mod planes;
 mod resident;
 mod uniforms;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use orogeny_field::{Bitmap, Page, PageKey, PageLayout, WeightMode};
@@ -14,10 +17,11 @@ use orogeny_gpu::{Gpu, Kernels, ReadBack, ReadbackBelt};
 use orogeny_pages::{AtlasLimits, PageStore, Slot};
 
 use crate::execute::{Executor, Notices, PageMemory};
-use crate::kernels::{OwnData, Rule, noise};
+use crate::kernels::{OwnData, Rule, blend, noise};
 use crate::plan::{Batch, PageWork, Pass};
 use crate::tiles::{PageLayers, TileList};
 use crate::{Error, Result};
+use planes::{GpuPlane, GpuPlanes};
 use resident::{Gates, Heights, Resident, Scratch, bitmap_view};
 
 pub use uniforms::BrushUniform;
@@ -49,6 +53,9 @@ pub struct GpuExecutor {
     heights: Heights,
     scratch: Scratch,
     gates: Gates,
+    planes: GpuPlanes,
+    /// Pages that the running operation has changed: their heights are no longer those from before it.
+    changed: BTreeSet<PageKey>,
     /// The alpha bitmap that was last used, and one of a single pixel where there is none.
     alpha: Option<(Arc<Bitmap>, wgpu::TextureView)>,
     no_alpha: wgpu::TextureView,
@@ -132,6 +139,8 @@ impl GpuExecutor {
             heights,
             scratch,
             gates,
+            planes: GpuPlanes::default(),
+            changed: BTreeSet::new(),
             alpha: None,
             no_alpha,
             belt: ReadbackBelt::new(gpu.clone(), layout.size()),
@@ -150,7 +159,9 @@ impl GpuExecutor {
     /// Bytes of the textures made so far.
     #[must_use]
     pub fn texture_size_in_bytes(&self) -> u64 {
-        self.heights.size_in_bytes() + self.scratch.size_in_bytes() + self.gates.size_in_bytes()
+        let atlases =
+            self.heights.size_in_bytes() + self.scratch.size_in_bytes() + self.gates.size_in_bytes();
+        atlases + self.planes.size_in_bytes()
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {
@@ -173,6 +184,26 @@ impl GpuExecutor {
         }
     }
 
+    /// Applies a batch to some of its pages, step by step; `goal` is what a filter made of the ground there.
+    fn apply(
+        &mut self,
+        batch: &Batch,
+        works: &[PageWork],
+        shared: &Shared,
+        goal: Option<&GpuPlane>,
+        store: &mut dyn PageStore,
+    ) -> Result<()> {
+        let mut rest = works;
+        while !rest.is_empty() {
+            // Asked anew for each step: texture memory may turn out to be short. With no room at all a step fails.
+            let num_pages = self.step_pages().min(self.num_slots(&batch.pass)).max(1);
+            let step = rest.get(..num_pages).unwrap_or(rest);
+            let num_taken = self.step(batch, step, shared, goal, store)?;
+            rest = rest.get(num_taken..).unwrap_or_default();
+        }
+        Ok(())
+    }
+
     /// One step: makes its pages resident and dispatches its tiles. Gives back how many of the works it took: none of them
     /// where texture memory turned out to be short and the step is to be tried again with less.
     fn step(
@@ -180,11 +211,13 @@ impl GpuExecutor {
         batch: &Batch,
         works: &[PageWork],
         shared: &Shared,
+        goal: Option<&GpuPlane>,
         store: &mut dyn PageStore,
     ) -> Result<usize> {
         let is_wash = batch.pass.weight_mode() == WeightMode::Wash;
         let has_scratch = is_wash || batch.pass.roughness.is_some();
-        self.await_pages(works, store)?;
+        let keys: Vec<_> = works.iter().map(|work| work.key).collect();
+        self.await_pages(&keys, store)?;
         let mut encoder = self.encoder();
         let mut resident =
             self.heights.make_resident(&self.gpu, &mut encoder, &mut self.belt, works, store)?;
@@ -222,10 +255,11 @@ impl GpuExecutor {
             list.add_page(batch, work, self.layout, layers);
             num_indices += list.indices.len() - before;
             self.heights.mark_dirty(&work.key);
+            self.changed.insert(work.key);
         }
         for (arrays, list) in lists {
             if !list.tiles.is_empty() {
-                self.dispatch(&mut encoder, batch, shared, arrays, list)?;
+                self.dispatch(&mut encoder, batch, shared, arrays, list, goal)?;
             }
         }
         self.submit(encoder)?;
@@ -238,11 +272,11 @@ impl GpuExecutor {
         Ok(num_taken)
     }
 
-    /// Waits for pages of this step that are still on their way out of the atlas.
-    fn await_pages(&mut self, works: &[PageWork], store: &mut dyn PageStore) -> Result<()> {
+    /// Waits for pages, in order, that are still on their way out of the atlas.
+    fn await_pages(&mut self, keys: &[PageKey], store: &mut dyn PageStore) -> Result<()> {
         let is_needed = |tag: &ReadbackTag| {
             let (ReadbackTag::Heights(key) | ReadbackTag::Weights(key)) = tag;
-            works.binary_search_by_key(key, |work| work.key).is_ok()
+            keys.binary_search(key).is_ok()
         };
         if self.belt.is_under_way(is_needed) {
             let arrived = self.belt.collect_all()?;
@@ -310,6 +344,7 @@ impl GpuExecutor {
         shared: &Shared,
         arrays: Arrays,
         mut list: TileList,
+        goal: Option<&GpuPlane>,
     ) -> Result<()> {
         let stem = batch.pass.rule.stage().stem();
         let kernel = match &batch.pass.rule {
@@ -327,6 +362,17 @@ impl GpuExecutor {
                 Some(self.gpu.create_buffer_with("orogeny.brush.lattice", storage, bytes)?)
             }
             _ => None,
+        };
+        let blend = match goal {
+            Some(goal) => {
+                let bytes = bytemuck::bytes_of(&blend::BlendUniform::from(&goal.uniform())).to_vec();
+                Some(self.gpu.create_buffer_with(
+                    "orogeny.brush.blend",
+                    wgpu::BufferUsages::UNIFORM,
+                    &bytes,
+                )?)
+            }
+            None => None,
         };
         let tiles =
             self.gpu.create_buffer_with("orogeny.brush.tiles", storage, bytemuck::cast_slice(&list.tiles))?;
@@ -360,7 +406,8 @@ impl GpuExecutor {
             wgpu::BindingResource::TextureView(weights),
             wgpu::BindingResource::TextureView(self.gates.view(arrays.gates)),
         ];
-        let own = shared.own_buffers.iter().chain(&lattice);
+        let goal = blend.iter().chain(goal.map(|goal| &goal.buffer));
+        let own = shared.own_buffers.iter().chain(&lattice).chain(goal);
         resources.extend(own.map(wgpu::Buffer::as_entire_binding));
         let entries: Vec<_> = (0..)
             .zip(resources)
@@ -432,15 +479,10 @@ impl Executor for GpuExecutor {
             return Ok(());
         }
         let shared = self.share(batch)?;
-        let mut rest = batch.pages.as_slice();
-        while !rest.is_empty() {
-            // Asked anew for each step: texture memory may turn out to be short. With no room at all a step fails.
-            let num_pages = self.step_pages().min(self.num_slots(&batch.pass)).max(1);
-            let step = rest.get(..num_pages).unwrap_or(rest);
-            let num_taken = self.step(batch, step, &shared, store)?;
-            rest = rest.get(num_taken..).unwrap_or_default();
+        match &batch.pass.rule {
+            Rule::Filter(filter) => self.run_filter(filter, batch, &shared, store),
+            _ => self.apply(batch, &batch.pages, &shared, None, store),
         }
-        Ok(())
     }
 
     fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices> {
@@ -457,6 +499,8 @@ impl Executor for GpuExecutor {
         }
         self.scratch.forget_all();
         self.gates.forget_all();
+        self.planes.clear();
+        self.changed.clear();
         let num_clamped_heights = self.take_num_clamped()?;
         self.gpu.check()?;
         Ok(Notices { num_clamped_heights })
@@ -467,6 +511,8 @@ impl Executor for GpuExecutor {
         self.scratch.forget_all();
         self.gates.forget_all();
         self.heights.forget_all();
+        self.planes.clear();
+        self.changed.clear();
         // Not waited for: the device may be gone, which the next operation sees.
         let mut encoder = self.encoder();
         encoder.clear_buffer(&self.counters, 0, None);

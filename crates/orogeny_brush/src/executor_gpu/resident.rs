@@ -86,6 +86,12 @@ impl Heights {
         self.residency.slot(key)
     }
 
+    /// The texture array and the layer of a resident page.
+    pub(super) fn texture(&self, key: &PageKey) -> Option<(&wgpu::Texture, u32)> {
+        let slot = self.residency.slot(key)?;
+        Some((self.atlas.texture(slot.array)?, slot.layer))
+    }
+
     pub(super) fn mark_dirty(&mut self, key: &PageKey) {
         self.residency.mark_dirty(key);
     }
@@ -200,6 +206,12 @@ impl Scratch {
 
     pub(super) fn slot(&self, key: &PageKey) -> Option<Slot> {
         self.residency.slot(key)
+    }
+
+    /// The texture array and the layer of the heights from before of a resident page.
+    pub(super) fn before_texture(&self, key: &PageKey) -> Option<(&wgpu::Texture, u32)> {
+        let slot = self.residency.slot(key)?;
+        Some((self.before.texture(slot.array)?, slot.layer))
     }
 
     pub(super) fn keep_weights(&mut self, key: PageKey, weights: &Page) -> Result<()> {

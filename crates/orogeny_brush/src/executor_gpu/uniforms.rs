@@ -36,7 +36,7 @@ impl From<&Pass> for BrushUniform {
 /// What a batch's kernel has of its own.
 pub(super) fn own_data(batch: &Batch) -> OwnData {
     match &batch.pass.rule {
-        Rule::Raise => OwnData::default(),
+        Rule::Raise | Rule::Filter(_) => OwnData::default(),
         Rule::Ledge(direction) => ledge::data(*direction),
         Rule::Level { target_height_m, only } => level::data(*target_height_m, *only),
         Rule::Ramp { along, only } => ramp::data(*along, *only),

@@ -1,5 +1,6 @@
 //! The kernels: for each stage its stem, what a pass gives it, and its row on the CPU.
 
+pub mod blend;
 pub mod custom;
 pub mod ledge;
 pub mod level;
@@ -21,6 +22,7 @@ use orogeny_field::{
 };
 use orogeny_reference::store::clamp_mask;
 
+use crate::filter::Filter;
 use crate::plan::Pass;
 
 /// A kernel. Several brush types may share one.
@@ -38,6 +40,8 @@ pub enum Stage {
     Roughen,
     /// `brush/noise`.
     Noise,
+    /// `brush/blend`: smooth, sharpen and smear.
+    Blend,
     /// `brush/terrace`.
     Terrace,
     /// `brush/range_map`.
@@ -78,6 +82,8 @@ pub enum Rule {
     },
     /// [`Stage::Noise`].
     Noise(Arc<NoiseKernel>),
+    /// [`Stage::Blend`]: what the ground is pulled to.
+    Filter(Filter),
     /// [`Stage::Terrace`].
     Terrace(TerraceSteps),
     /// [`Stage::RangeMap`].
@@ -111,6 +117,7 @@ impl Rule {
             Self::Ramp { .. } => Stage::Ramp,
             Self::Roughen { .. } => Stage::Roughen,
             Self::Noise(_) => Stage::Noise,
+            Self::Filter(_) => Stage::Blend,
             Self::Terrace(_) => Stage::Terrace,
             Self::RangeMap(_) => Stage::RangeMap,
             Self::Stamp { .. } => Stage::Stamp,
@@ -122,13 +129,14 @@ impl Rule {
 
 impl Stage {
     /// Those that come with the program.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Raise,
         Self::Ledge,
         Self::Level,
         Self::Ramp,
         Self::Roughen,
         Self::Noise,
+        Self::Blend,
         Self::Terrace,
         Self::RangeMap,
         Self::Stamp,
@@ -145,6 +153,7 @@ impl Stage {
             BrushType::Ramp => Self::Ramp,
             BrushType::Roughen => Self::Roughen,
             BrushType::Noise => Self::Noise,
+            BrushType::Smooth | BrushType::Sharpen | BrushType::Smear => Self::Blend,
             BrushType::Terrace => Self::Terrace,
             BrushType::RangeMap => Self::RangeMap,
             BrushType::Stamp => Self::Stamp,
@@ -163,6 +172,7 @@ impl Stage {
             Self::Ramp => ramp::STEM,
             Self::Roughen => roughen::STEM,
             Self::Noise => noise::STEM,
+            Self::Blend => blend::STEM,
             Self::Terrace => terrace::STEM,
             Self::RangeMap => range_map::STEM,
             Self::Stamp => stamp::STEM,
@@ -210,14 +220,14 @@ pub struct RowStart {
     pub z: i32,
 }
 
-/// Applies a pass's kernel to a row, given the amounts and, for a noise, its values; returns the number of clamped heights.
+/// Applies a pass's kernel to a row, given the amounts and, for a noise or a filter, the values of its own; returns the number of clamped heights.
 pub(crate) fn apply_row(
     pass: &Pass,
     instance: &Instance,
     start: RowStart,
     heights: &mut [f32],
     amounts: &[f32],
-    noise: &[f32],
+    values: &[f32],
 ) -> u32 {
     let start = [start.x, start.z];
     let num_clamped = match &pass.rule {
@@ -235,7 +245,8 @@ pub(crate) fn apply_row(
             let [x, z] = start;
             orogeny_reference::brush::roughen::row(heights, amounts, x, z, *seed)
         }
-        Rule::Noise(_) => orogeny_reference::brush::noise::row(heights, amounts, noise),
+        Rule::Noise(_) => orogeny_reference::brush::noise::row(heights, amounts, values),
+        Rule::Filter(_) => orogeny_reference::brush::blend::row(heights, amounts, values),
         Rule::Terrace(steps) => orogeny_reference::brush::terrace::row(heights, amounts, start, steps),
         Rule::RangeMap(range) => orogeny_reference::brush::range_map::row(heights, amounts, range),
         Rule::Stamp { scale_m, mode, bitmap } => {
@@ -264,11 +275,11 @@ pub(crate) struct OwnData {
 }
 
 impl OwnData {
-    fn uniform(uniform: &impl bytemuck::NoUninit) -> Self {
+    pub(crate) fn uniform(uniform: &impl bytemuck::NoUninit) -> Self {
         Self { uniforms: vec![bytemuck::bytes_of(uniform).to_vec()], ..Self::default() }
     }
 
-    fn with_constants(mut self, constants: &[(&'static str, u32)]) -> Self {
+    pub(crate) fn with_constants(mut self, constants: &[(&'static str, u32)]) -> Self {
         self.constants.extend(constants);
         self
     }

@@ -14,8 +14,8 @@ pub use gate::{AspectGate, Band, Gate, GateImage, NoiseGate};
 pub use profile::{Falloff, FalloffFormula, Profile, ProfileShape};
 pub use settings::{
     Alpha, AlphaRotation, Custom, DataSource, Dynamics, HeightRange, Jitter, LedgeDirection, LevelOnly,
-    RampAlong, RangeFormula, RangeMap, RangeMapping, Stamp, StampMode, Symmetry, SymmetryKind, Terrace,
-    TerraceSteps,
+    RampAlong, RangeFormula, RangeMap, RangeMapping, SmoothMethod, Smoothing, Stamp, StampMode, Symmetry,
+    SymmetryKind, Terrace, TerraceSteps,
 };
 
 use crate::noise::Noise;
@@ -40,6 +40,12 @@ pub enum BrushType {
     Roughen,
     /// Adds a procedural noise.
     Noise,
+    /// Pulls towards what is smoothed.
+    Smooth,
+    /// Pushes away from what is smoothed.
+    Sharpen,
+    /// Drags the ground along.
+    Smear,
     /// Pulls towards steps of equal height.
     Terrace,
     /// Spreads the heights of a range anew over it.
@@ -56,7 +62,7 @@ pub enum BrushType {
 
 impl BrushType {
     /// All of them, in the order in which they are listed.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 17] = [
         Self::Raise,
         Self::Lower,
         Self::Ledge,
@@ -65,6 +71,9 @@ impl BrushType {
         Self::Ramp,
         Self::Roughen,
         Self::Noise,
+        Self::Smooth,
+        Self::Sharpen,
+        Self::Smear,
         Self::Terrace,
         Self::RangeMap,
         Self::Stamp,
@@ -85,6 +94,9 @@ impl BrushType {
             Self::Ramp => "ramp",
             Self::Roughen => "roughen",
             Self::Noise => "noise",
+            Self::Smooth => "smooth",
+            Self::Sharpen => "sharpen",
+            Self::Smear => "smear",
             Self::Terrace => "terrace",
             Self::RangeMap => "range_map",
             Self::Stamp => "stamp",
@@ -106,6 +118,9 @@ impl BrushType {
             Self::Ramp => "builds a slope from the stroke's first point to its last",
             Self::Roughen => "adds white noise of up to ±`strength`",
             Self::Noise => "adds mountains, hills, dunes: any noise of up to about ±`strength`",
+            Self::Smooth => "smooths what is narrower than `width`",
+            Self::Sharpen => "makes what is narrower than `width` stand out",
+            Self::Smear => "drags the ground along, as a finger does wet paint",
             Self::Terrace => "cuts the ground into steps of equal height",
             Self::RangeMap => "spreads the heights between `low` and `high` anew: bias, gain or a curve",
             Self::Stamp => "presses a height image into the ground",
@@ -123,6 +138,9 @@ impl BrushType {
             Self::Level
             | Self::SetHeight
             | Self::Ramp
+            | Self::Smooth
+            | Self::Sharpen
+            | Self::Smear
             | Self::Terrace
             | Self::RangeMap
             | Self::Stamp
@@ -244,6 +262,8 @@ pub struct Brush {
     pub gate: Option<Box<Gate>>,
     /// Of `noise`.
     pub noise: Noise,
+    /// Of `smooth` and `sharpen`.
+    pub smoothing: Smoothing,
     /// Of `terrace`.
     pub terrace: Terrace,
     /// Of `range_map`.

@@ -152,6 +152,33 @@ impl From<&RangeMap> for HeightRange {
     }
 }
 
+/// How the ground is smoothed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SmoothMethod {
+    /// By a Gaussian: the width is its standard deviation.
+    Gaussian,
+    /// By a B-spline over a lattice of samples: the width is their distance, to the nearest power of two in samples.
+    Lattice,
+}
+
+/// What is smoothed, or made to stand out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Smoothing {
+    /// How.
+    pub method: SmoothMethod,
+    /// What is narrower than about this goes, metres; `None`: an eighth of the radius.
+    pub width_m: Option<f64>,
+    /// Of `sharpen`: how much further from what is smoothed the ground is moved, by its distance from it.
+    pub gain: f64,
+}
+
+impl Default for Smoothing {
+    fn default() -> Self {
+        Self { method: SmoothMethod::Gaussian, width_m: None, gain: 1.0 }
+    }
+}
+
 /// The profile of a ramp along its way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]

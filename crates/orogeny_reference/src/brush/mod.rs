@@ -3,6 +3,7 @@
 //! Every `row` returns the number of heights that had to be clamped to what a terrain holds. `raise` also lowers, and
 //! `level` also sets a height: the planner gives them the sign and the target.
 
+pub mod blend;
 pub mod ledge;
 pub mod level;
 pub mod mask;

@@ -1,7 +1,7 @@
 //! What single brush types have.
 
-use super::MAX_HEIGHT;
 use super::kind::{Parameter, ParameterKind, number, optional_number, parameter};
+use super::{MAX_HEIGHT, MAX_RADIUS_M};
 use crate::brush::BrushType;
 
 pub(super) const PARAMETERS: &[Parameter] = &[
@@ -57,6 +57,17 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         "which way the ground may move: `cut` down, `fill` up",
     )
     .of_brushes(&[BrushType::Level, BrushType::Ramp]),
+    parameter("method", ParameterKind::Choice { words: &["gaussian", "lattice"] }, "by a Gaussian, or by a B-spline over a lattice of samples")
+        .of_brushes(&[BrushType::Smooth]),
+    parameter(
+        "width",
+        optional_number(1.0e-3, MAX_RADIUS_M),
+        "standard deviation of the Gaussian, or distance of the lattice's samples; at most 512 samples; by default an eighth of the radius, or as much",
+    )
+    .in_unit("m")
+    .of_brushes(SMOOTHING),
+    parameter("gain", number(0.0, 16.0, 1.0), "how far the ground is moved, by its distance from what is smoothed")
+        .of_brushes(&[BrushType::Sharpen]),
     parameter("step", number(1.0e-3, MAX_HEIGHT, 10.0), "height of a step").in_unit("m").of_brushes(TERRACE),
     parameter("sharpness", number(0.0, 1.0, 0.7), "0 leaves the ground as it is, 1 makes walls").of_brushes(TERRACE),
     parameter("tilt", number(0.0, 60.0, 0.0), "tilt of the steps against the horizontal").in_unit("°").of_brushes(TERRACE),
@@ -100,6 +111,7 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     parameter("value", number(0.0, 1.0, 1.0), "what is painted").of_brushes(&[BrushType::PaintMask]),
 ];
 
+const SMOOTHING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen];
 const TERRACE: &[BrushType] = &[BrushType::Terrace];
 const RANGE_MAP: &[BrushType] = &[BrushType::RangeMap];
 const CUSTOM: &[BrushType] = &[BrushType::Custom];

@@ -28,6 +28,10 @@ const WASHING: &[BrushType] = &[
     BrushType::EraseMask,
 ];
 
+/// Those that look at neighbours: half of the strength is plenty for one pass.
+const FILTERING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen, BrushType::Smear];
+const SMOOTHING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen];
+
 /// A factor 0..1 by a factor 0..1.
 const FACTOR: ParameterKind = ParameterKind::Curve { x: (0.0, 1.0), y: (0.0, 1.0) };
 
@@ -72,6 +76,12 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     )
     .of_brushes(BLENDING),
     parameter(
+        "strength",
+        number(0.0, 1.0, 0.5),
+        "share of the way to what is smoothed or sharpened that one straight pass goes; of `smear`, how much each instance drags along",
+    )
+    .of_brushes(FILTERING),
+    parameter(
         "flow",
         number(0.0, 1.0, 1.0),
         "share of the strength that one pass gives; a wash with less than 1 comes nearer to its strength with every pass",
@@ -87,6 +97,12 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         "`wash`: one weight for the whole stroke; `build_up`: going over a place again blends it again",
     )
     .of_brushes(WASHING),
+    parameter(
+        "blending",
+        ParameterKind::Choice { words: &["build_up", "wash"] },
+        "`build_up`: each instance works on what those before it left; `wash`: one weight for the whole stroke, on the ground before it",
+    )
+    .of_brushes(SMOOTHING),
     parameter(
         "airbrush",
         ParameterKind::Flag { default: false },

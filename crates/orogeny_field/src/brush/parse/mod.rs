@@ -9,8 +9,8 @@ use serde_json::{Map, Value};
 
 use super::{
     Alpha, AlphaRotation, Blending, Brush, BrushType, Custom, Dynamics, Jitter, LedgeDirection, LevelOnly,
-    PressureTarget, Profile, ProfileShape, RampAlong, RangeMap, RangeMapping, Stamp, StampMode, Symmetry,
-    SymmetryKind, Terrace,
+    PressureTarget, Profile, ProfileShape, RampAlong, RangeMap, RangeMapping, SmoothMethod, Smoothing, Stamp,
+    StampMode, Symmetry, SymmetryKind, Terrace,
 };
 use crate::noise::Noise;
 use crate::{Error, Result};
@@ -28,7 +28,7 @@ impl Brush {
             strength,
             spacing: 0.25,
             pressure: PressureTarget::Strength,
-            blending: Blending::Wash,
+            blending: default_blending(brush_type),
             height_m: None,
             direction: LedgeDirection::Raise,
             only: LevelOnly::Both,
@@ -40,6 +40,7 @@ impl Brush {
             symmetry: None,
             gate: None,
             noise: Noise::default(),
+            smoothing: Smoothing::default(),
             terrace: Terrace::default(),
             range_map: RangeMap::default(),
             end_height_m: None,
@@ -79,7 +80,7 @@ impl Brush {
             strength: fields.number("strength")?,
             spacing: fields.number("spacing")?,
             pressure: fields.choice("pressure", PressureTarget::Strength)?,
-            blending: fields.choice("blending", Blending::Wash)?,
+            blending: fields.choice("blending", default_blending(brush_type))?,
             height_m: height("height")?,
             direction: fields.choice("direction", LedgeDirection::Raise)?,
             only: fields.choice("only", LevelOnly::Both)?,
@@ -91,6 +92,7 @@ impl Brush {
             symmetry: symmetry(&fields)?,
             gate: fields.object("gate")?.map(|fields| gate::read(&fields)).transpose()?.map(Box::new),
             noise: if brush_type == BrushType::Noise { noise::read(&fields)? } else { Noise::default() },
+            smoothing: smoothing(&fields)?,
             terrace: terrace(&fields)?,
             range_map: range_map(&fields)?,
             end_height_m: height("end_height")?,
@@ -123,6 +125,15 @@ impl Brush {
     #[must_use]
     pub fn profile(&self) -> Profile {
         Profile { shape: self.shape.clone(), falloff_ratio: self.falloff_m / self.radius_m }
+    }
+}
+
+/// How the instances of a brush meet that does not say.
+const fn default_blending(brush_type: BrushType) -> Blending {
+    match brush_type {
+        BrushType::Smooth | BrushType::Sharpen => Blending::BuildUp,
+        BrushType::Smear => Blending::Each,
+        _ => Blending::Wash,
     }
 }
 
@@ -227,6 +238,22 @@ fn symmetry(fields: &Fields<'_>) -> Result<Option<Symmetry>> {
         _ => SymmetryKind::Axis { angle_deg: fields.number("angle")? },
     };
     Ok(Some(Symmetry { kind, centre_m: fields.numbers("centre")? }))
+}
+
+fn smoothing(fields: &Fields<'_>) -> Result<Smoothing> {
+    let brush_type = fields.brush_type();
+    if !matches!(brush_type, BrushType::Smooth | BrushType::Sharpen) {
+        return Ok(Smoothing::default());
+    }
+    Ok(Smoothing {
+        method: fields.choice("method", SmoothMethod::Gaussian)?,
+        width_m: fields.optional_number("width")?,
+        gain: if brush_type == BrushType::Sharpen {
+            fields.number("gain")?
+        } else {
+            Smoothing::default().gain
+        },
+    })
 }
 
 fn terrace(fields: &Fields<'_>) -> Result<Terrace> {
@@ -374,6 +401,9 @@ mod tests {
         r#"{"type": "range_map", "mapping": "curve", "map_curve": [[0, 1], [1, 0]]}"#,
         r#"{"type": "ramp", "height": 1, "end_height": -2, "along": "smooth", "only": "cut", "mirror": {"angle": 12}}"#,
         r#"{"type": "stamp", "scale": -30, "mode": "max", "height": 3, "alpha": {"blake3": "00"}, "mirror": {"kind": "point"}}"#,
+        r#"{"type": "smooth", "method": "lattice", "width": 12.5, "blending": "wash"}"#,
+        r#"{"type": "sharpen", "width": 3, "gain": 2.5}"#,
+        r#"{"type": "smear", "strength": 0.75}"#,
         r#"{"type": "paint_mask", "value": 0.25}"#,
         r#"{"type": "custom", "file": "a.wgsl", "parameters": {"step": 3.5, "ragged": 0}, "blending": "wash"}"#,
         r#"{"type": "noise", "normalize": false}"#,
@@ -431,6 +461,9 @@ mod tests {
             (r#"{"type": "noise", "transfer": [[0, 9], [1, 1]]}"#, "transfer"),
             (r#"{"type": "range_map", "low": 3, "high": 3}"#, "below"),
             (r#"{"type": "range_map", "gain": 0.3}"#, "mapping"),
+            (r#"{"type": "smooth", "gain": 1}"#, "gain"),
+            (r#"{"type": "smooth", "width": 0}"#, "width"),
+            (r#"{"type": "smear", "blending": "wash"}"#, "blending"),
             (r#"{"type": "raise", "step": 3}"#, "step"),
             (r#"{"type": "raise", "airbrush": 1}"#, "airbrush"),
         ] {

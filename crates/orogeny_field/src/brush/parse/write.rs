@@ -64,6 +64,13 @@ impl Brush {
         put("along", word(&self.along));
         put("direction", word(&self.direction));
         put("only", word(&self.only));
+        put("method", word(&self.smoothing.method));
+        if let Some(width_m) = self.smoothing.width_m {
+            put("width", width_m.into());
+        }
+        if self.brush_type == BrushType::Sharpen {
+            put("gain", self.smoothing.gain.into());
+        }
         put("step", self.terrace.step_m.into());
         put("sharpness", self.terrace.sharpness.into());
         put("tilt", self.terrace.tilt_deg.into());

@@ -1,25 +1,30 @@
 //! From a brush and places to batches: strength, pressure, copies, heights found under the stroke.
 
-use std::sync::Arc;
+mod fill;
+mod prepared;
+mod ramp;
+
+use std::collections::VecDeque;
 
 use orogeny_field::{
-    AlphaRotation, Bitmap, Blending, Brush, BrushType, Coverage, Falloff, Footprint, Gate, HeightRange,
-    Instance, PageLayout, PointerSample, SampleRect, TerraceSteps, WeightMode,
+    AlphaRotation, Blending, Brush, BrushType, Coverage, Falloff, Footprint, Instance, PageLayout,
+    PointerSample, SampleRect, WeightMode,
 };
 use orogeny_pages::{HeightProbe, PageStore};
 
 use crate::canvas::{Canvas, Resources};
 use crate::dynamics::Touch;
+use crate::filter::Filter;
 use crate::frames::Frames;
-use crate::gate::GatePlan;
-use crate::kernels::custom::CustomRule;
 use crate::kernels::{Rule, Stage};
 use crate::plan::{Batch, Pass};
-use crate::resolved::resolved;
 use crate::sampler::{Pen, PlacedSample, StrokeSampler};
 use crate::spacing::Spacing;
 use crate::symmetry::{self, Image};
 use crate::{Error, Result};
+use prepared::Plan;
+
+pub use fill::plan_fill;
 
 /// Blending strengths above this build up as this one, whose logarithm is finite.
 const MAX_BUILD_UP: f64 = 0.999;
@@ -31,108 +36,6 @@ const BATCH_PAGES: u64 = 1 << 16;
 
 /// Places after which a batch ends, on the terrain or not: bounds the time between two looks at whether to go on.
 const BATCH_PLACES: u32 = 1 << 16;
-
-/// What strokes and fills have in common.
-#[derive(Debug)]
-struct Plan {
-    brush: Brush,
-    seed: u32,
-    canvas: Canvas,
-    resources: Resources,
-    gate: Option<Arc<GatePlan>>,
-    roughness: Option<Arc<GatePlan>>,
-    custom: Option<CustomRule>,
-}
-
-impl Plan {
-    fn new(brush: &Brush, seed: u32, canvas: Canvas, resources: Resources) -> Result<Self> {
-        brush.check()?;
-        if brush.alpha.is_some() && resources.alpha.is_none() {
-            let why = "its picture was not loaded";
-            return Err(missing(brush, "alpha", why));
-        }
-        let custom = match (brush.brush_type, &resources.custom) {
-            (BrushType::Custom, Some(program)) => {
-                Some(CustomRule::new(Arc::clone(program), brush, seed, &canvas.grid)?)
-            }
-            (BrushType::Custom, None) => return Err(missing(brush, "file", "its kernel was not loaded")),
-            _ => None,
-        };
-        let brush = resolved(brush);
-        let plan = |gate: Option<&Gate>, image: Option<&Arc<Bitmap>>| -> Result<Option<Arc<GatePlan>>> {
-            let Some(gate) = gate else { return Ok(None) };
-            if gate.image.is_some() && image.is_none() {
-                return Err(missing(&brush, "image", "its picture was not loaded"));
-            }
-            let Canvas { grid, heights, selection, .. } = canvas;
-            Ok(Some(Arc::new(GatePlan::new(gate, grid, heights, selection, image.cloned())?)))
-        };
-        let gate = plan(brush.gate.as_deref(), resources.gate_image.as_ref())?;
-        let is_noise = brush.brush_type == BrushType::Noise;
-        let roughness = brush.noise.roughness.as_deref().filter(|_| is_noise);
-        let roughness = plan(roughness, resources.roughness_image.as_ref())?;
-        Ok(Self { brush, seed, canvas, resources, gate, roughness, custom })
-    }
-
-    /// What the kernel does; `anchor` is the stroke's first point, in samples.
-    ///
-    /// # Errors
-    /// [`Error::Field`] for a brush whose data is not there.
-    fn rule(&self, target_height_m: f32, anchor: [f64; 2], frames: Option<&Frames>) -> Result<Rule> {
-        let brush = &self.brush;
-        Ok(match Stage::of(brush.brush_type) {
-            Stage::Raise => Rule::Raise,
-            Stage::Ledge => Rule::Ledge(brush.direction),
-            Stage::Level => Rule::Level { target_height_m, only: brush.only },
-            Stage::Ramp => Rule::Ramp { along: brush.along, only: brush.only },
-            Stage::Roughen => Rule::Roughen { seed: self.seed },
-            Stage::Noise => match frames {
-                Some(frames) => Rule::Noise(Arc::clone(frames.kernel())),
-                None => return Err(missing(brush, "points", "a noise has its place by the first")),
-            },
-            Stage::Terrace => {
-                let anchor = anchor.map(|place| place.round() as i32);
-                Rule::Terrace(TerraceSteps::new(&brush.terrace, self.canvas.grid.spacing_m(), anchor))
-            }
-            Stage::RangeMap => Rule::RangeMap(HeightRange::from(&brush.range_map)),
-            Stage::Stamp => match &self.resources.alpha {
-                Some(bitmap) => Rule::Stamp {
-                    scale_m: brush.stamp.scale_m as f32,
-                    mode: brush.stamp.mode,
-                    bitmap: Arc::clone(bitmap),
-                },
-                None => return Err(missing(brush, "alpha", "its picture was not loaded")),
-            },
-            Stage::Custom => match &self.custom {
-                Some(custom) => Rule::Custom(custom.clone()),
-                None => return Err(missing(brush, "file", "its kernel was not loaded")),
-            },
-            Stage::Mask => Rule::Mask {
-                value: if brush.brush_type == BrushType::EraseMask { 0.0 } else { brush.mask_value as f32 },
-            },
-        })
-    }
-
-    fn frames(&self, anchor: [f64; 2]) -> Result<Option<Frames>> {
-        if self.brush.brush_type != BrushType::Noise {
-            return Ok(None);
-        }
-        let spacing_m = self.canvas.grid.spacing_m();
-        let anchor_m = anchor.map(|place| place * spacing_m);
-        Frames::new(&self.brush.noise, self.seed, &self.canvas.grid, anchor_m).map(Some)
-    }
-
-    fn pass(&self, rule: Rule, footprint: Footprint) -> Pass {
-        Pass {
-            rule,
-            footprint,
-            field: self.canvas.field,
-            is_mask: self.canvas.is_mask,
-            gate: self.gate.clone(),
-            roughness: self.roughness.clone(),
-        }
-    }
-}
 
 /// A stroke on its way: takes pointer samples, gives batches.
 #[derive(Debug)]
@@ -150,6 +53,10 @@ pub struct StrokePlanner {
     num_points: usize,
     /// Of a ramp: whether its batch was given.
     is_ramp_given: bool,
+    /// Of brushes whose instances each work on what those before them left: batches of one that were not asked for yet.
+    waiting: VecDeque<Batch>,
+    /// Where the last instance was placed, in samples.
+    previous_place: Option<[f64; 2]>,
 }
 
 impl StrokePlanner {
@@ -175,6 +82,8 @@ impl StrokePlanner {
             frames: None,
             num_points: 0,
             is_ramp_given: false,
+            waiting: VecDeque::new(),
+            previous_place: None,
             plan,
         })
     }
@@ -214,12 +123,19 @@ impl StrokePlanner {
         if Stage::of(self.plan.brush.brush_type) == Stage::Ramp {
             return self.ramp(store);
         }
+        if let Some(batch) = self.waiting.pop_front() {
+            return Ok(Some(batch));
+        }
+        let is_sequential = crate::filter::is_sequential(&self.plan.brush);
+        let max_instances = if is_sequential { 1 } else { max_instances };
+        let mut drags = Vec::new();
         let mut instances = Vec::new();
         let mut bounds = Vec::new();
         let (mut num_places, mut num_pages) = (0, 0);
         while instances.len() < max_instances && num_pages < BATCH_PAGES && num_places < BATCH_PLACES {
             let Some(place) = self.sampler.next_place()? else { break };
             num_places += 1;
+            let previous = self.previous_place.replace(place.position);
             let touch = Touch::of(&self.plan.brush, self.plan.seed, &place);
             let radius = self.radius * touch.radius;
             if radius < 0.5 {
@@ -236,59 +152,29 @@ impl StrokePlanner {
                 num_pages += checked_num_pages(self.plan.canvas.layout, bound)?;
                 instances.push(self.instance(store, &place, &touch, &image, position, radius)?);
                 bounds.push(bound);
+                let (from, to) =
+                    (image.place(previous.unwrap_or(place.position)), image.place(place.position));
+                drags.push([to[0] - from[0], to[1] - from[1]]);
             }
         }
         if num_places == 0 {
             return Ok(None);
         }
         let pass = self.pass(store)?;
+        if is_sequential {
+            let layout = self.plan.canvas.layout;
+            for ((instance, bound), drag) in instances.drain(..).zip(bounds.drain(..)).zip(drags) {
+                let mut pass = pass.clone();
+                if self.plan.brush.brush_type == BrushType::Smear {
+                    pass.rule = Rule::Filter(Filter::drag(&self.plan.canvas.grid, drag));
+                }
+                self.waiting.push_back(Batch::new(pass, layout, vec![instance], vec![bound]));
+            }
+            let none = || Batch::new(pass, layout, Vec::new(), Vec::new());
+            return Ok(Some(self.waiting.pop_front().unwrap_or_else(none)));
+        }
         let frames = self.frames.as_mut().map(Frames::take).unwrap_or_default();
         Ok(Some(Batch::new(pass, self.plan.canvas.layout, instances, bounds).with_frames(frames)))
-    }
-
-    /// A ramp's one batch, once the stroke has ended.
-    fn ramp(&mut self, store: &mut dyn PageStore) -> Result<Option<Batch>> {
-        let (Some(start), Some(end)) = (self.first_position, self.last_position) else { return Ok(None) };
-        if !self.sampler.is_finished() || std::mem::replace(&mut self.is_ramp_given, true) {
-            return Ok(None);
-        }
-        let brush = &self.plan.brush;
-        let length = crate::curve::distance(start, end);
-        if length < 1.0 {
-            return Err(missing(
-                brush,
-                "points",
-                "a ramp leads from the stroke's first point to its last, a sample away or more",
-            ));
-        }
-        let ends = [(start, brush.height_m), (end, brush.end_height_m)];
-        let mut heights_m = [0.0; 2];
-        for (height_m, (place, given)) in heights_m.iter_mut().zip(ends) {
-            *height_m = match given {
-                Some(given) => given,
-                None => self.probe.height_m(store, place)?,
-            };
-        }
-        let [reference_height_m, end_height_m] = heights_m;
-        let (mut instances, mut bounds) = (Vec::new(), Vec::new());
-        for image in &self.images {
-            let (start, end) = (image.place(start), image.place(end));
-            let bound = bounds_of(start, self.radius).bounds_with(&bounds_of(end, self.radius));
-            let bound = bound.intersection(&self.plan.canvas.grid.bounds());
-            checked_num_pages(self.plan.canvas.layout, bound)?;
-            let ([x, z], [end_x, end_z]) = (start, end);
-            instances.push(Instance {
-                amplitude: self.plan.brush.strength as f32,
-                reference_height_m,
-                end_height_m,
-                segment: [(end_x - x) as f32, (end_z - z) as f32],
-                inverse_segment_squared: (1.0 / (length * length)) as f32,
-                ..placed(start, self.radius, self.plan.canvas.grid.spacing_m())
-            });
-            bounds.push(bound);
-        }
-        let pass = self.pass(store)?;
-        Ok(Some(Batch::new(pass, self.plan.canvas.layout, instances, bounds)))
     }
 
     /// Whether instances carry a share of a pass each, rather than one all of it.
@@ -303,6 +189,8 @@ impl StrokePlanner {
             (Coverage::Blending, _) if Stage::of(brush.brush_type).has_goal_of_instance() => {
                 WeightMode::Direct
             }
+            // Each instance drags along what the one before it left.
+            (Coverage::Blending, _) if brush.brush_type == BrushType::Smear => WeightMode::Direct,
             // A dab that never moves is its own wash.
             (Coverage::Blending, _) if !self.is_pass() => WeightMode::Direct,
             (Coverage::Blending, Blending::BuildUp) => WeightMode::BuildUp,
@@ -416,10 +304,6 @@ fn placed(position: [f64; 2], radius: f64, spacing_m: f64) -> Instance {
     }
 }
 
-fn missing(brush: &Brush, field: &'static str, why: &'static str) -> Error {
-    orogeny_field::Error::MissingField { brush: brush.brush_type.name(), field, why }.into()
-}
-
 /// `1 / radius`, no smaller than it is, so that a sample at the radius has `r >= 1` and a weight of exactly 0.
 fn inverse_rounded_up(radius: f64) -> f32 {
     let nearest = (1.0 / radius) as f32;
@@ -439,54 +323,6 @@ fn checked_num_pages(layout: PageLayout, rect: SampleRect) -> Result<u64> {
         return Err(Error::TooManyPages { num_pages, limit: MAX_PAGES });
     }
     Ok(num_pages)
-}
-
-/// Plans a brush applied once at full weight to `region`, which is clipped to the terrain.
-///
-/// # Errors
-/// [`Error::Field`] for a brush with a number that it cannot use, and with [`orogeny_field::Error::MissingField`] for one that
-/// needs a stroke: `ramp`, `stamp`, one with a bitmap, `level` and `ledge` without a height; [`Error::TooManyPages`] for a region beyond what one operation may change.
-pub fn plan_fill(
-    brush: &Brush,
-    seed: u32,
-    canvas: Canvas,
-    resources: Resources,
-    region: SampleRect,
-) -> Result<Batch> {
-    let stage = Stage::of(brush.brush_type);
-    if stage.has_goal_of_instance() {
-        return Err(missing(brush, "points", "it needs a stroke, and a fill has none"));
-    }
-    let needs_height = stage.needs_reference_height() || stage.needs_target_height();
-    if needs_height && brush.height_m.is_none() {
-        return Err(missing(brush, "height", "a fill has no stroke whose ground could give it"));
-    }
-    if brush.alpha.is_some() {
-        return Err(missing(
-            brush,
-            "points",
-            "its bitmap lies about the places of a stroke, and a fill has none",
-        ));
-    }
-    let plan = Plan::new(brush, seed, canvas, resources)?;
-    let height_m = brush.height_m.unwrap_or_default();
-    let mut everywhere = Instance {
-        amplitude: (stage.sign(brush) * brush.strength) as f32,
-        reference_height_m: height_m,
-        // Finite for the smallest radius too: 0 m above the reference times infinity would be no number.
-        inverse_radius_m: (1.0 / brush.radius_m).min(f64::from(f32::MAX)) as f32,
-        ..Instance::EVERYWHERE
-    };
-    let mut frames = plan.frames([0.0, 0.0])?;
-    if let Some(frames) = &mut frames {
-        frames.assign(&mut everywhere, 0, [0.0, 0.0], [1.0, 0.0]);
-    }
-    let rule = plan.rule(height_m, [0.0, 0.0], frames.as_ref())?;
-    let region = region.intersection(&canvas.grid.bounds());
-    checked_num_pages(canvas.layout, region)?;
-    let batch =
-        Batch::new(plan.pass(rule, Footprint::EVERYWHERE), canvas.layout, vec![everywhere], vec![region]);
-    Ok(batch.with_frames(frames.as_mut().map(Frames::take).unwrap_or_default()))
 }
 
 #[cfg(test)]

@@ -1,0 +1,164 @@
+//! Graphs worked out on the GPU: each plane a buffer, one dispatch a step.
+
+use orogeny_field::SampleRect;
+use orogeny_gpu::{Gpu, Kernels};
+
+use crate::filter::kernels::{PlaneUniform, StepUniform};
+use crate::filter::{Graph, Step};
+use crate::{Error, Result};
+
+/// Samples a side of a workgroup.
+const WORKGROUP_SIDE: u32 = 16;
+/// Samples that a row is a multiple of, so that it can be copied to and from textures: 256 bytes.
+const STRIDE_UNIT: u32 = 64;
+/// Buffers that are kept for the next graph.
+const MAX_POOLED: usize = 4;
+
+/// A plane in a buffer.
+#[derive(Debug, Clone)]
+pub(super) struct GpuPlane {
+    pub(super) buffer: wgpu::Buffer,
+    pub(super) rect: SampleRect,
+    pub(super) stride: u32,
+}
+
+/// Works out graphs, and keeps the memory of their planes.
+#[derive(Debug, Default)]
+pub(super) struct GpuPlanes {
+    pool: Vec<wgpu::Buffer>,
+}
+
+impl GpuPlane {
+    /// The place of a sample, in bytes.
+    pub(super) const fn offset(&self, x: i32, z: i32) -> u64 {
+        let (column, row) = (x.abs_diff(self.rect.x0), z.abs_diff(self.rect.z0));
+        (row as u64 * self.stride as u64 + column as u64) * 4
+    }
+
+    pub(super) const fn uniform(&self) -> PlaneUniform {
+        PlaneUniform { origin: [self.rect.x0, self.rect.z0], stride: self.stride, padding: 0 }
+    }
+}
+
+impl GpuPlanes {
+    /// A plane whose values are to be written.
+    ///
+    /// # Errors
+    /// [`Error::PlaneSize`] for one that no buffer of the device holds; [`Error::Gpu`] when there is no memory.
+    pub(super) fn plane(&mut self, gpu: &Gpu, rect: SampleRect) -> Result<GpuPlane> {
+        let stride = rect.width().max(1).next_multiple_of(STRIDE_UNIT);
+        let size = u64::from(stride) * u64::from(rect.depth().max(1)) * 4;
+        let limit = gpu.device().limits().max_storage_buffer_binding_size;
+        if size > limit {
+            return Err(Error::PlaneSize { width: rect.width(), depth: rect.depth(), limit_in_bytes: limit });
+        }
+        let fitting = self.pool.iter().enumerate().filter(|(_, buffer)| buffer.size() >= size);
+        let best = fitting.min_by_key(|(_, buffer)| buffer.size()).map(|(place, _)| place);
+        let buffer = match best {
+            Some(place) => self.pool.swap_remove(place),
+            None => gpu.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("orogeny.brush.plane"),
+                size,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })?,
+        };
+        Ok(GpuPlane { buffer, rect, stride })
+    }
+
+    /// Takes back the memory of a plane, once what reads it is recorded.
+    pub(super) fn give_back(&mut self, plane: GpuPlane) {
+        if self.pool.len() < MAX_POOLED {
+            self.pool.push(plane.buffer);
+        }
+    }
+
+    /// Gives up the memory that is kept.
+    pub(super) fn clear(&mut self) {
+        self.pool.clear();
+    }
+
+    pub(super) fn size_in_bytes(&self) -> u64 {
+        self.pool.iter().map(wgpu::Buffer::size).sum()
+    }
+
+    /// Records the steps of a graph, whose planes have the rectangles that it planned, from its heights on.
+    pub(super) fn work_out(
+        &mut self,
+        gpu: &Gpu,
+        kernels: &mut Kernels,
+        encoder: &mut wgpu::CommandEncoder,
+        graph: &Graph,
+        rects: &[SampleRect],
+        heights: GpuPlane,
+    ) -> Result<GpuPlane> {
+        let nowhere = heights.clone();
+        let mut heights = Some(heights);
+        let mut planes: Vec<Option<GpuPlane>> = Vec::with_capacity(rects.len());
+        for (place, (node, rect)) in graph.nodes().iter().zip(rects).enumerate() {
+            let plane = match heights.take_if(|_| node.step == Step::Heights) {
+                Some(heights) => heights,
+                None => self.plane(gpu, *rect)?,
+            };
+            let input = |number: usize| {
+                let place = node.inputs.get(number)?;
+                Some((planes.get(*place)?.as_ref()?, graph.nodes().get(*place)?))
+            };
+            if let (Some(stem), Some((first, first_node))) = (node.step.stem(), input(0)) {
+                let second = input(1).map_or(first, |(second, _)| second);
+                let uniform = StepUniform {
+                    result: plane.uniform(),
+                    first: first.uniform(),
+                    second: second.uniform(),
+                    size: [rect.width(), rect.depth()],
+                    mirrored_in: if first_node.step == Step::Heights { graph.extent() } else { [0; 2] },
+                };
+                dispatch(gpu, kernels, encoder, stem, &node.step, &uniform, [first, second, &plane])?;
+            }
+            planes.push(Some(plane));
+            for input in &node.inputs {
+                let is_last = graph.nodes().iter().skip(place + 1).all(|later| !later.inputs.contains(input));
+                if is_last && let Some(plane) = planes.get_mut(*input).and_then(Option::take) {
+                    self.give_back(plane);
+                }
+            }
+        }
+        Ok(planes.pop().flatten().unwrap_or(nowhere))
+    }
+}
+
+fn dispatch(
+    gpu: &Gpu,
+    kernels: &mut Kernels,
+    encoder: &mut wgpu::CommandEncoder,
+    stem: &'static str,
+    step: &Step,
+    uniform: &StepUniform,
+    planes: [&GpuPlane; 3],
+) -> Result<()> {
+    let own = step.data();
+    let kernel = kernels.kernel(stem, &own.constants)?;
+    let (uniform_usage, storage_usage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
+    let small = |usage, bytes: &[u8]| gpu.create_buffer_with("orogeny.brush.step", usage, bytes);
+    let uniform_buffer = small(uniform_usage, bytemuck::bytes_of(uniform))?;
+    let own: Vec<_> = (own.uniforms.iter().map(|bytes| small(uniform_usage, bytes)))
+        .chain(own.storage.iter().map(|bytes| small(storage_usage, bytes)))
+        .collect::<Result<_, _>>()?;
+    let buffers = std::iter::once(&uniform_buffer).chain(planes.map(|plane| &plane.buffer)).chain(&own);
+    let entries: Vec<_> = (0..)
+        .zip(buffers)
+        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+        .collect();
+    let bind_group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(stem),
+        layout: &kernel.bind_group_layout,
+        entries: &entries,
+    });
+    let mut pass = encoder
+        .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(stem), timestamp_writes: None });
+    pass.set_pipeline(&kernel.pipeline);
+    pass.set_bind_group(1, &bind_group, &[]);
+    let [width, depth] = uniform.size;
+    pass.dispatch_workgroups(width.div_ceil(WORKGROUP_SIDE), depth.div_ceil(WORKGROUP_SIDE), 1);
+    Ok(())
+}

@@ -1,0 +1,75 @@
+//! Pages put together into rectangles whose goals are worked out at once.
+
+use std::collections::BTreeMap;
+
+use orogeny_field::{PageLayout, SampleRect};
+
+use crate::plan::PageWork;
+
+/// Samples a side after which a block is cut, unless the filter's halo asks for more.
+const BLOCK_SIDE: u32 = 1024;
+/// A block is so many times as long as the halo about it, if that is more.
+const HALOS_A_SIDE: u32 = 8;
+/// Samples a side that a block and the halo about it have at most, if a page allows: WebGPU binds 128 MiB at once by default.
+const MAX_SIDE: u32 = 5632;
+
+/// Pages whose goals are worked out at once.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Block {
+    /// The samples that may change.
+    pub rect: SampleRect,
+    /// In the order of their keys.
+    pub pages: Vec<PageWork>,
+}
+
+/// Puts pages together into blocks, so that a halo is read once for pages side by side: up to a number of samples a side that is
+/// some times the halo.
+#[must_use]
+pub fn blocks(layout: PageLayout, pages: &[PageWork], halo: u32) -> Vec<Block> {
+    let side = BLOCK_SIDE.max(halo.saturating_mul(HALOS_A_SIDE)).min(MAX_SIDE.saturating_sub(2 * halo));
+    let side = (side / layout.size()).max(1);
+    let mut cells = BTreeMap::<(u32, u32), Block>::new();
+    for work in pages {
+        let cell = cells
+            .entry((work.key.z / side, work.key.x / side))
+            .or_insert_with(|| Block { rect: SampleRect::EMPTY, pages: Vec::new() });
+        cell.rect = cell.rect.bounds_with(&work.rect);
+        cell.pages.push(work.clone());
+    }
+    cells.into_values().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use orogeny_field::{FieldId, PageKey};
+
+    #[test]
+    fn every_page_is_in_one_block_that_holds_its_rectangle() {
+        let layout = PageLayout::new(64).unwrap();
+        let terrain = SampleRect::new(10, 7, 1900, 2500);
+        let pages: Vec<_> = (0..40)
+            .flat_map(|z| (0..30).map(move |x| PageKey::full_resolution(FieldId(1), x, z)))
+            .filter(|key| (key.x + key.z) % 3 != 0)
+            .map(|key| PageWork {
+                key,
+                rect: layout.page_rect(&key).intersection(&terrain),
+                instances: vec![key.x],
+            })
+            .collect();
+        for halo in [0, 5, 300, 2400] {
+            let blocks = blocks(layout, &pages, halo);
+            let mut found: Vec<_> = blocks.iter().flat_map(|block| block.pages.clone()).collect();
+            found.sort_by_key(|work| work.key);
+            let mut expected = pages.clone();
+            expected.sort_by_key(|work| work.key);
+            assert_eq!(found, expected);
+            for Block { rect, pages } in &blocks {
+                let longest = rect.width().max(rect.depth());
+                assert!(longest <= 1024.max(8 * halo) && longest + 2 * halo <= MAX_SIDE);
+                assert!(pages.iter().all(|work| rect.contains(&work.rect)));
+                assert!(pages.is_sorted_by_key(|work| work.key));
+            }
+        }
+    }
+}

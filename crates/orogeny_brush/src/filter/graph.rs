@@ -1,0 +1,205 @@
+//! What a neighbourhood kernel works out, as plain data: planes, each made from others by one step.
+//!
+//! A graph knows nothing of pages. [`Graph::plan`] finds for each plane the rectangle that it must have so that the last one has the
+//! rectangle that is asked for. No rectangle occurs in the rule by which a value is made of those below it; so it has the
+//! same bits, whichever rectangle it is worked out with.
+//!
+//! Only what is given is mirrored at the terrain's border. All other planes go on beyond it, made of what is mirrored, as
+//! though the terrain had no end: so each level of a pyramid is that of the mirrored terrain, whatever its size.
+
+use std::sync::Arc;
+
+use orogeny_field::{PhaseWeights, SampleRect, mirrored};
+
+/// Along which axis a step works.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// To the east.
+    X,
+    /// To the south.
+    Z,
+}
+
+/// How the values of a plane are made of those of others.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Step {
+    /// They are given: the heights.
+    Heights,
+    /// `field/convolve`: a symmetric filter, centred on every `stride`-th sample.
+    Convolve {
+        /// Along which axis.
+        axis: Axis,
+        /// Samples from centre to centre.
+        stride: u32,
+        /// Of the neighbours 1, 2, … samples away.
+        weights: Arc<[f32]>,
+    },
+    /// `field/interpolate`: as many values for each sample as there are phases.
+    Interpolate {
+        /// Along which axis.
+        axis: Axis,
+        /// Their weights.
+        phases: Arc<[PhaseWeights]>,
+    },
+    /// `field/sharpen`: the first plane pushed away from the second.
+    Sharpen {
+        /// How far.
+        gain: f32,
+    },
+    /// `field/shift`: the value some way off.
+    Shift {
+        /// Whole samples.
+        cell: [i32; 2],
+        /// And the rest, 0..1.
+        fraction: [f32; 2],
+    },
+}
+
+/// A plane of a graph.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Node {
+    /// How its values are made.
+    pub step: Step,
+    /// Of which planes: their places in the graph, before its own.
+    pub inputs: Vec<usize>,
+}
+
+/// Planes, each after those that it is made of; the last is the result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Graph {
+    extent: [u32; 2],
+    nodes: Vec<Node>,
+}
+
+impl Graph {
+    /// The place of the heights.
+    pub const HEIGHTS: usize = 0;
+
+    /// A graph of heights of a terrain of `extent` samples, and nothing made of them.
+    #[must_use]
+    pub fn new(extent: [u32; 2]) -> Self {
+        Self { extent, nodes: vec![Node { step: Step::Heights, inputs: Vec::new() }] }
+    }
+
+    /// Adds a plane made of others that are there; gives its place.
+    pub fn add(&mut self, step: Step, inputs: &[usize]) -> usize {
+        debug_assert!(inputs.iter().all(|input| *input < self.nodes.len()), "{inputs:?}");
+        self.nodes.push(Node { step, inputs: inputs.to_vec() });
+        self.nodes.len() - 1
+    }
+
+    /// The planes, each after those that it is made of.
+    #[must_use]
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// Samples of the terrain along x and z.
+    #[must_use]
+    pub const fn extent(&self) -> [u32; 2] {
+        self.extent
+    }
+
+    /// For each plane the rectangle that it must have for the last one to have `target`; one that is given stays within the
+    /// terrain.
+    #[must_use]
+    pub fn plan(&self, target: SampleRect) -> Vec<SampleRect> {
+        let mut rects = vec![SampleRect::EMPTY; self.nodes.len()];
+        if let Some(last) = rects.last_mut() {
+            *last = target;
+        }
+        for (place, node) in self.nodes.iter().enumerate().rev() {
+            let Some(rect) = rects.get(place).copied().filter(|rect| !rect.is_empty()) else { continue };
+            let needed = node.step.source_rect(&rect);
+            for input in &node.inputs {
+                if let Some(known) = rects.get_mut(*input) {
+                    *known = known.bounds_with(&needed);
+                }
+            }
+        }
+        let [width, depth] = self.extent;
+        for (node, rect) in self.nodes.iter().zip(&mut rects) {
+            if node.step == Step::Heights && !rect.is_empty() {
+                let (x0, x1) = mirrored_range(rect.x0, rect.x1, width);
+                let (z0, z1) = mirrored_range(rect.z0, rect.z1, depth);
+                *rect = SampleRect::new(x0, z0, x1, z1);
+            }
+        }
+        rects
+    }
+
+    /// How many samples beyond its result the heights are read, at most.
+    #[must_use]
+    pub fn halo(&self) -> u32 {
+        // Far from a border, about a sample of the coarsest grid.
+        let (far, extent) = (1 << 28, [1 << 29; 2]);
+        let graph = Self { extent, nodes: self.nodes.clone() };
+        let rects = graph.plan(SampleRect::new(far - 1, far - 1, far + 1, far + 1));
+        let reach = |rect: &SampleRect| [far - rect.x0, rect.x1 - far, far - rect.z0, rect.z1 - far];
+        rects.first().and_then(|rect| reach(rect).into_iter().max()).unwrap_or_default().unsigned_abs()
+    }
+}
+
+impl Step {
+    /// What its inputs must have for it to make a rectangle.
+    fn source_rect(&self, rect: &SampleRect) -> SampleRect {
+        let filtered = |first: i32, end: i32, stride: u32, weights: &[f32]| {
+            let (stride, radius) = (stride.cast_signed(), weights.len() as i32);
+            (first * stride - radius, (end - 1) * stride + radius + 1)
+        };
+        let coarse = |first: i32, end: i32, phases: &[PhaseWeights]| {
+            let factor = phases.len().max(1) as i32;
+            (first.div_euclid(factor) - 1, (end - 1).div_euclid(factor) + 3)
+        };
+        let SampleRect { x0, z0, x1, z1 } = *rect;
+        let ((x0, x1), (z0, z1)) = match self {
+            Self::Heights | Self::Sharpen { .. } => ((x0, x1), (z0, z1)),
+            Self::Convolve { axis: Axis::X, stride, weights } => {
+                (filtered(x0, x1, *stride, weights), (z0, z1))
+            }
+            Self::Convolve { axis: Axis::Z, stride, weights } => {
+                ((x0, x1), filtered(z0, z1, *stride, weights))
+            }
+            Self::Interpolate { axis: Axis::X, phases } => (coarse(x0, x1, phases), (z0, z1)),
+            Self::Interpolate { axis: Axis::Z, phases } => ((x0, x1), coarse(z0, z1, phases)),
+            Self::Shift { cell: [x, z], .. } => ((x0 + x, x1 + x + 1), (z0 + z, z1 + z + 1)),
+        };
+        SampleRect::new(x0, z0, x1, z1)
+    }
+}
+
+/// The samples of a grid that `first..end` are once it is mirrored at its ends: first and one past the last.
+fn mirrored_range(first: i32, end: i32, num_samples: u32) -> (i32, i32) {
+    let last = num_samples.saturating_sub(1).cast_signed();
+    if last == 0 {
+        return (0, 1);
+    }
+    // A piece between two mirrors keeps its order, so its ends are ends; a mirror within the range is an end too.
+    let (a, b) = (mirrored(first, num_samples), mirrored(end - 1, num_samples));
+    let mut bounds = (a.min(b), a.max(b));
+    let fold = first.div_euclid(last);
+    for fold in [fold + 1, fold + 2] {
+        if fold.saturating_mul(last) < end {
+            let place = mirrored(fold * last, num_samples);
+            bounds = (bounds.0.min(place), bounds.1.max(place));
+        }
+    }
+    (bounds.0, bounds.1 + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_mirrored_range_holds_what_its_samples_are_and_no_more(
+            num_samples in 1_u32..40, first in -100_i32..100, length in 1_i32..120,
+        ) {
+            let places: Vec<_> = (first..first + length).map(|place| mirrored(place, num_samples)).collect();
+            let expected = (*places.iter().min().unwrap(), places.iter().max().unwrap() + 1);
+            prop_assert_eq!(mirrored_range(first, first + length, num_samples), expected);
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Kernels that look at neighbours, up to the planes that they make: which brush is which [`Graph`].
+//!
+//! What a graph gives is the goal that the kernel [`blend`](crate::kernels::blend) then pulls the ground to, instance by instance or as a
+//! wash. The back ends work out graphs for the blocks of pages that a batch touches.
+
+mod blocks;
+mod gaussian;
+mod graph;
+pub mod kernels;
+mod lattice;
+
+use std::sync::Arc;
+
+use orogeny_field::{Blending, Brush, BrushType, SmoothMethod, TerrainGrid};
+
+use crate::Result;
+
+pub use blocks::{Block, blocks};
+pub use graph::{Axis, Graph, Node, Step};
+
+/// What a brush pulls the ground to, and from which state of the ground it is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filter {
+    /// The goal.
+    pub graph: Arc<Graph>,
+    /// Whether it is made of the ground as the instances before left it, one at a time, rather than of that before the
+    /// stroke.
+    pub is_sequential: bool,
+}
+
+/// The widest filter, in samples: about nine times as many are looked at for each sample, both ways.
+const MAX_WIDTH_SAMPLES: f64 = 512.0;
+
+impl Filter {
+    /// The filter of a brush that has one and the same for all instances.
+    ///
+    /// # Errors
+    /// [`orogeny_field::Error::BrushValue`] for a width of more samples than are looked at.
+    pub fn of(brush: &Brush, grid: &TerrainGrid) -> Result<Option<Self>> {
+        let mut graph = Graph::new([grid.width(), grid.depth()]);
+        let width = match brush.smoothing.width_m.map(|width_m| width_m / grid.spacing_m()) {
+            Some(width) if width > MAX_WIDTH_SAMPLES => return Err(too_wide(brush, width, grid).into()),
+            Some(width) => width,
+            None => (brush.radius_m / DEFAULT_WIDTH_SHARE / grid.spacing_m()).min(MAX_WIDTH_SAMPLES),
+        };
+        match brush.brush_type {
+            BrushType::Smooth => match brush.smoothing.method {
+                SmoothMethod::Gaussian => _ = gaussian::add(&mut graph, Graph::HEIGHTS, width.max(MIN_SIGMA)),
+                SmoothMethod::Lattice => _ = lattice::add(&mut graph, Graph::HEIGHTS, width),
+            },
+            BrushType::Sharpen => {
+                let smoothed = gaussian::add(&mut graph, Graph::HEIGHTS, width.max(MIN_SIGMA));
+                let gain = brush.smoothing.gain as f32;
+                graph.add(Step::Sharpen { gain }, &[Graph::HEIGHTS, smoothed]);
+            }
+            _ => return Ok(None),
+        }
+        Ok(Some(Self { graph: Arc::new(graph), is_sequential: is_sequential(brush) }))
+    }
+
+    /// What drags the ground along by `[x, z]` samples.
+    #[must_use]
+    pub fn drag(grid: &TerrainGrid, by: [f64; 2]) -> Self {
+        let mut graph = Graph::new([grid.width(), grid.depth()]);
+        let from = by.map(|by| -by);
+        let cell = from.map(f64::floor);
+        let ([x, z], [cell_x, cell_z]) = (from, cell);
+        let fraction = [(x - cell_x) as f32, (z - cell_z) as f32];
+        graph.add(Step::Shift { cell: cell.map(|cell| cell as i32), fraction }, &[Graph::HEIGHTS]);
+        Self { graph: Arc::new(graph), is_sequential: true }
+    }
+}
+
+/// Where a brush does not say how wide it smooths: its radius by this.
+const DEFAULT_WIDTH_SHARE: f64 = 8.0;
+
+/// The narrowest Gaussian, in samples: narrower ones change nothing.
+const MIN_SIGMA: f64 = 0.25;
+
+/// Whether a brush's instances each work on what those before them left all around them.
+pub(crate) fn is_sequential(brush: &Brush) -> bool {
+    match brush.brush_type {
+        BrushType::Smooth | BrushType::Sharpen => brush.blending != Blending::Wash,
+        BrushType::Smear => true,
+        _ => false,
+    }
+}
+
+fn too_wide(brush: &Brush, width: f64, grid: &TerrainGrid) -> orogeny_field::Error {
+    orogeny_field::Error::BrushValue {
+        brush: brush.brush_type.name(),
+        field: "width".to_owned(),
+        value: format!("{} m", width * grid.spacing_m()),
+        limit: format!(
+            "it is {width} samples, and at most {MAX_WIDTH_SAMPLES} are smoothed over: give {} m or less",
+            MAX_WIDTH_SAMPLES * grid.spacing_m()
+        ),
+    }
+}

@@ -1,0 +1,27 @@
+// lerp(H, G, A) towards a goal of each sample's own: what a filter made of the ground. Twin: orogeny_reference::brush::blend.
+#include "driver/local.wgsl"
+
+struct Blend {
+    goal_origin: vec2<i32>, // of the first goal, on the terrain
+    goal_stride: u32,       // goals from row to row
+    padding: u32,
+}
+
+@group(1) @binding(11) var<uniform> blend: Blend;
+@group(1) @binding(12) var<storage, read> goals: array<f32>;
+
+fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32 {
+    let local = vec2<u32>(sample - blend.goal_origin);
+    let goal = goals[local.y * blend.goal_stride + local.x];
+    // What is between two heights never leaves them, however it is rounded.
+    return clamp(lerp(height, goal, amount), min(height, goal), max(height, goal));
+}
+
+@compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) num_workgroups: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
+) {
+    update_tile(workgroup, num_workgroups, local);
+}

@@ -1,0 +1,119 @@
+//! `smooth`: Gaussians of several widths over 4096 x 4096 samples, as a fill of resident pages through the CPU back end, beside
+//! OpenCV's exact `GaussianBlur` and its `stackBlur`, which is faster and no Gaussian.
+//!
+//! The share of the limit is that of `GaussianBlur`'s rate on the same threads. OpenCV is asked through Python: set
+//! `OROGENY_BENCH_PYTHON` to an interpreter that has `numpy` and `opencv-python-headless`; without it these rows are left out, which is said.
+
+use std::process::Command;
+
+use anyhow::{Context as _, Result, ensure};
+use orogeny_brush::{Batch, Canvas, CpuExecutor, Executor as _, Resources, plan_fill};
+use orogeny_field::{Brush, BrushType, FieldId, PageLayout, Smoothing, TerrainGrid};
+use orogeny_pages::MemoryPages;
+
+use crate::measure::Times;
+use crate::report::{Figure, Report, Unit};
+
+const SIDE: u64 = 4096;
+const NUM_SAMPLES: f64 = (SIDE * SIDE) as f64;
+/// Standard deviations in samples: those of windows of a radius of 8, 32 and 128 in OpenCV, and wider.
+const SIGMAS: [f64; 4] = [8.0 / 3.0, 32.0 / 3.0, 128.0 / 3.0, 256.0];
+/// Fields and windows wider than that take OpenCV minutes.
+const MAX_OPENCV_SIGMA: f64 = 128.0 / 3.0;
+
+pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
+    let num_cores = std::thread::available_parallelism()?.get();
+    let mut thread_counts = vec![1, num_cores];
+    thread_counts.dedup();
+    let opencv = std::env::var_os("OROGENY_BENCH_PYTHON");
+    if opencv.is_none() {
+        report.note("OpenCV not measured: OROGENY_BENCH_PYTHON is not set".to_owned());
+    }
+    for num_threads in thread_counts {
+        for sigma in SIGMAS {
+            let mut fill = Fill::new(num_threads, sigma)?;
+            let (mut own, mut gaussian, mut stack) = (Times::default(), Times::default(), Times::default());
+            for _ in 0..repeat {
+                fill.measure(&mut own)?;
+                if let Some(python) = opencv.as_ref().filter(|_| sigma <= MAX_OPENCV_SIGMA) {
+                    let [gaussian_s, stack_s] = with_opencv(python, sigma, num_threads)?;
+                    gaussian.add(gaussian_s);
+                    stack.add(stack_s);
+                }
+            }
+            let limit = (!gaussian.is_empty()).then(|| NUM_SAMPLES / gaussian.median_s());
+            let mut add = |name: &str, times: &Times| {
+                let name = format!("{name}, sigma {sigma:.1}, {num_threads} threads");
+                report.add(Figure::per_second(name, Unit::SamplesPerSecond, times, NUM_SAMPLES, limit));
+            };
+            add("smooth as a fill", &own);
+            if !gaussian.is_empty() {
+                add("smooth OpenCV GaussianBlur", &gaussian);
+                add("smooth OpenCV stackBlur", &stack);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Seconds that OpenCV takes for its Gaussian and for its stack blur.
+fn with_opencv(python: &std::ffi::OsStr, sigma: f64, num_threads: usize) -> Result<[f64; 2]> {
+    const PROGRAM: &str = r"
+import sys, time, numpy, cv2
+side, sigma, threads = int(sys.argv[1]), float(sys.argv[2]), int(sys.argv[3])
+cv2.setNumThreads(threads)
+field = numpy.random.default_rng(1).random((side, side), dtype=numpy.float32)
+radius = round(3 * sigma)
+target = numpy.empty_like(field)
+window = (2 * radius + 1, 2 * radius + 1)
+for work in (lambda: cv2.GaussianBlur(field, window, sigma, dst=target), lambda: cv2.stackBlur(field, window, dst=target)):
+    work()
+    start = time.perf_counter()
+    work()
+    print(time.perf_counter() - start)
+";
+    let arguments = [SIDE.to_string(), sigma.to_string(), num_threads.to_string()];
+    let output = Command::new(python).arg("-c").arg(PROGRAM).args(arguments).output();
+    let output = output.with_context(|| format!("cannot start {}", python.display()))?;
+    ensure!(output.status.success(), "OpenCV: {}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout)?;
+    let mut seconds = text.lines().map(str::parse::<f64>);
+    let mut next = || seconds.next().context("OpenCV printed no time")?.context("OpenCV printed no time");
+    Ok([next()?, next()?])
+}
+
+/// The brush as users have it: a fill over resident pages.
+struct Fill {
+    executor: CpuExecutor,
+    pages: MemoryPages,
+    pieces: Vec<Batch>,
+}
+
+impl Fill {
+    fn new(num_threads: usize, sigma: f64) -> Result<Self> {
+        let layout = PageLayout::default();
+        let grid = TerrainGrid::new(SIDE, SIDE, 1.0)?;
+        let smoothing = Smoothing { width_m: Some(sigma), ..Smoothing::default() };
+        let brush = Brush { smoothing, ..Brush::new(BrushType::Smooth, 1.0, 1.0) };
+        let canvas = Canvas::heights(grid, layout, FieldId(0));
+        let batch = plan_fill(&brush, 0, canvas, Resources::default(), grid.bounds())?;
+        let executor = CpuExecutor::new(layout, 1 << 30, Some(num_threads))?;
+        let mut fill = Self { executor, pages: MemoryPages::new(layout, 0.0), pieces: Vec::new() };
+        let rough = Brush::new(BrushType::Roughen, 1.0, 100.0);
+        let ground = plan_fill(&rough, 3, canvas, Resources::default(), grid.bounds())?;
+        fill.executor.run(&ground, &mut fill.pages)?;
+        fill.executor.finish(&mut fill.pages)?;
+        fill.pages.commit();
+        fill.pieces = batch.split(layout, usize::MAX).collect();
+        Ok(fill)
+    }
+
+    /// Ends the operation too, outside of what is measured.
+    fn measure(&mut self, times: &mut Times) -> Result<()> {
+        times
+            .measure(|| self.pieces.iter().try_for_each(|piece| self.executor.run(piece, &mut self.pages)))?;
+        self.executor.finish(&mut self.pages)?;
+        self.pages.commit();
+        Ok(())
+    }
+}
