@@ -22,6 +22,7 @@
 mod bitmap;
 mod brush;
 mod curve;
+mod drainage;
 mod error;
 mod filter;
 mod grid;
@@ -44,6 +45,7 @@ pub use brush::{
     Terrace, TerraceSteps,
 };
 pub use curve::{CURVE_TABLE_LENGTH, Curve, CurveTable, MAX_CURVE_POINTS};
+pub use drainage::{FillPits, FlowMask, FlowRouting};
 pub use error::{Error, Result};
 pub use filter::{PYRAMID_PHASES, PYRAMID_WEIGHTS, PhaseWeights, b_spline_phases, gaussian_weights};
 pub use grid::{MAX_SIDE_SAMPLES, MAX_SPACING_M, MIN_SPACING_M, TerrainGrid};

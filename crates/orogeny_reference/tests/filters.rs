@@ -1,5 +1,12 @@
 //! The filters of neighbourhood kernels against SciPy and OpenCV (`tests/fixtures/field/make_filters.py`).
 
+#![allow(
+    clippy::indexing_slicing,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test that goes wrong is to fail"
+)]
+
 use orogeny_field::{
     PYRAMID_PHASES, PYRAMID_WEIGHTS, PhaseWeights, b_spline_phases, gaussian_weights, mirrored,
 };

@@ -1,7 +1,10 @@
-//! What is made of whole fields, a row at a time.
+//! What is made of whole fields: a row at a time, or, where water runs across all of it, at once.
 
+mod around;
 pub mod coarsen;
 pub mod convolve;
+pub mod fill_pits;
+pub mod flow;
 pub mod interpolate;
 pub mod sharpen;
 pub mod shift;
