@@ -38,7 +38,17 @@ const STEP_PLACES: [Place; 3] = [
     Place {
         folder: "crates/orogeny_reference/src/field",
         extension: "rs",
-        exceptions: &[MODULE, ("coarsen", "makes coarser levels, on the CPU")],
+        exceptions: &[
+            MODULE,
+            ("coarsen", "makes coarser levels, on the CPU"),
+            ("fill_pits", "works on a whole region at once, on the CPU"),
+            ("flow", "works on a whole region at once, on the CPU"),
+            ("around", "the neighbours of a sample, for the two above"),
+            ("padded", "parts of rows with what lies around them, for the simulations"),
+            ("thermal", "has no twin yet"),
+            ("pipes", "has no twin yet"),
+            ("droplets", "has no twin yet"),
+        ],
     },
     Place { folder: "crates/orogeny_brush/src/filter/kernels", extension: "rs", exceptions: &[MODULE] },
 ];

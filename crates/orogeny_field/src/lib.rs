@@ -23,6 +23,7 @@ mod bitmap;
 mod brush;
 mod curve;
 mod drainage;
+mod erosion;
 mod error;
 mod filter;
 mod grid;
@@ -46,6 +47,11 @@ pub use brush::{
 };
 pub use curve::{CURVE_TABLE_LENGTH, Curve, CurveTable, MAX_CURVE_POINTS};
 pub use drainage::{FillPits, FlowMask, FlowRouting};
+pub use erosion::{
+    DISC_LANES, DROPLET_BUDGET, DROPLETS_PER_ROUND, DiscPart, DropletKernel, Droplets, MAX_DROPLET_RADIUS,
+    MAX_DROPLET_STEPS, MAX_EROSION_ITERATIONS, MAX_ROCK_LAYERS, MAX_TALUS_ANGLE_DEG, MAX_THERMAL_RATE, Pipes,
+    PipesKernel, RockLayer, SAMPLES_PER_DROPLET, Thermal, ThermalKernel, ThermalLayer,
+};
 pub use error::{Error, Result};
 pub use filter::{PYRAMID_PHASES, PYRAMID_WEIGHTS, PhaseWeights, b_spline_phases, gaussian_weights};
 pub use grid::{MAX_SIDE_SAMPLES, MAX_SPACING_M, MIN_SPACING_M, TerrainGrid};

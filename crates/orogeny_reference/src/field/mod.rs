@@ -3,8 +3,12 @@
 mod around;
 pub mod coarsen;
 pub mod convolve;
+pub mod droplets;
 pub mod fill_pits;
 pub mod flow;
 pub mod interpolate;
+mod padded;
+pub mod pipes;
 pub mod sharpen;
 pub mod shift;
+pub mod thermal;
