@@ -1,21 +1,23 @@
-// One value of a plane an invocation, made of those of other planes. A kernel includes this file and defines
-//     fn value_at(sample: vec2<i32>) -> f32
-// Bindings from 4 on are the kernel's own. Twin: orogeny_brush::executor_cpu::planes.
+// One sample of a plane an invocation, made of those of other planes. A kernel includes this file and defines
+//     fn update_sample(sample: vec2<i32>)
+// which hands each channel's value to `store`. Bindings from 4 on are the kernel's own. Twin: orogeny_brush::executor_cpu::planes.
 
 const WORKGROUP_SIDE = 16u;
 
 struct Plane {
-    origin: vec2<i32>, // of its first sample, on its grid
-    stride: u32,       // samples from row to row
-    padding: u32,
+    origin: vec2<i32>,   // of its first sample, on its grid
+    stride: u32,         // values from row to row
+    channel_stride: u32, // values from channel to channel
 }
 
 struct Step {
     result: Plane,
     first: Plane,
     second: Plane,
-    size: vec2<u32>,        // of the result
-    mirrored_in: vec2<u32>, // samples of the terrain where `first` is mirrored at its border, else 0
+    size: vec2<u32>,   // of the result
+    extent: vec2<u32>, // samples of the terrain
+    is_mirrored: u32,  // whether `first` is mirrored at the terrain's border
+    phase: u32,        // which part of an iteration it is, of a simulation
 }
 
 @group(1) @binding(0) var<uniform> step_planes: Step;
@@ -34,27 +36,37 @@ fn mirrored(place: i32, num_samples: u32) -> i32 {
     return min(within, period - within);
 }
 
-fn index_in(plane: Plane, sample: vec2<i32>) -> u32 {
+fn index_in(plane: Plane, channel: u32, sample: vec2<i32>) -> u32 {
     let local = vec2<u32>(sample - plane.origin);
-    return local.y * plane.stride + local.x;
+    return channel * plane.channel_stride + local.y * plane.stride + local.x;
 }
 
 fn first_at(sample: vec2<i32>) -> f32 {
     var place = sample;
-    if step_planes.mirrored_in.x > 0u {
-        place = vec2<i32>(mirrored(place.x, step_planes.mirrored_in.x), mirrored(place.y, step_planes.mirrored_in.y));
+    if step_planes.is_mirrored == 1u {
+        place = vec2<i32>(mirrored(place.x, step_planes.extent.x), mirrored(place.y, step_planes.extent.y));
     }
-    return first_values[index_in(step_planes.first, place)];
+    return first_values[index_in(step_planes.first, 0u, place)];
 }
 
-fn second_at(sample: vec2<i32>) -> f32 {
-    return second_values[index_in(step_planes.second, sample)];
+fn first_channel_at(channel: u32, sample: vec2<i32>) -> f32 {
+    return first_values[index_in(step_planes.first, channel, sample)];
+}
+
+fn second_channel_at(channel: u32, sample: vec2<i32>) -> f32 {
+    return second_values[index_in(step_planes.second, channel, sample)];
+}
+
+fn is_on_terrain(sample: vec2<i32>) -> bool {
+    return all(sample >= vec2<i32>(0)) && all(sample < vec2<i32>(step_planes.extent));
+}
+
+fn store(channel: u32, sample: vec2<i32>, value: f32) {
+    result_values[index_in(step_planes.result, channel, sample)] = value;
 }
 
 fn update_plane(invocation: vec3<u32>) {
-    if any(invocation.xy >= step_planes.size) {
-        return;
+    if all(invocation.xy < step_planes.size) {
+        update_sample(step_planes.result.origin + vec2<i32>(invocation.xy));
     }
-    let sample = step_planes.result.origin + vec2<i32>(invocation.xy);
-    result_values[index_in(step_planes.result, sample)] = value_at(sample);
 }

@@ -12,7 +12,7 @@ struct Convolve {
 @group(1) @binding(4) var<uniform> convolve: Convolve;
 @group(1) @binding(5) var<storage, read> weights: array<f32>;
 
-fn value_at(sample: vec2<i32>) -> f32 {
+fn update_sample(sample: vec2<i32>) {
     let axis = select(vec2<i32>(1, 0), vec2<i32>(0, 1), AXIS == 1u);
     let place = sample + axis * sample * (convolve.stride - 1);
     let centre = first_at(place);
@@ -21,7 +21,7 @@ fn value_at(sample: vec2<i32>) -> f32 {
         let away = axis * (i32(k) + 1);
         value += weights[k] * ((first_at(place - away) - centre) + (first_at(place + away) - centre));
     }
-    return value;
+    store(0u, sample, value);
 }
 
 @compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)

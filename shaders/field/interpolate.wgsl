@@ -18,17 +18,17 @@ struct PhaseWeights {
 @group(1) @binding(4) var<uniform> interpolate: Interpolate;
 @group(1) @binding(5) var<storage, read> phases: array<PhaseWeights>;
 
-fn value_at(sample: vec2<i32>) -> f32 {
+fn update_sample(sample: vec2<i32>) {
     let axis = select(vec2<i32>(1, 0), vec2<i32>(0, 1), AXIS == 1u);
     let place = select(sample.x, sample.y, AXIS == 1u);
     let phase = (place % interpolate.num_phases + interpolate.num_phases) % interpolate.num_phases;
     let coarse = sample + axis * ((place - phase) / interpolate.num_phases - place);
     let weights = phases[phase];
     let here = first_at(coarse);
-    return here
+    store(0u, sample, here
         + weights.before * (first_at(coarse - axis) - here)
         + weights.next * (first_at(coarse + axis) - here)
-        + weights.after_next * (first_at(coarse + 2 * axis) - here);
+        + weights.after_next * (first_at(coarse + 2 * axis) - here));
 }
 
 @compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)

@@ -7,9 +7,9 @@ struct Sharpen {
 
 @group(1) @binding(4) var<uniform> sharpen: Sharpen;
 
-fn value_at(sample: vec2<i32>) -> f32 {
+fn update_sample(sample: vec2<i32>) {
     let height = first_at(sample);
-    return height + sharpen.gain * (height - second_at(sample));
+    store(0u, sample, height + sharpen.gain * (height - second_channel_at(0u, sample)));
 }
 
 @compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)

@@ -8,13 +8,13 @@ struct Shift {
 
 @group(1) @binding(4) var<uniform> shift: Shift;
 
-fn value_at(sample: vec2<i32>) -> f32 {
+fn update_sample(sample: vec2<i32>) {
     let place = sample + shift.cell;
     let north_west = first_at(place);
     let south_west = first_at(place + vec2<i32>(0, 1));
     let north = north_west + shift.fraction.x * (first_at(place + vec2<i32>(1, 0)) - north_west);
     let south = south_west + shift.fraction.x * (first_at(place + vec2<i32>(1, 1)) - south_west);
-    return north + shift.fraction.y * (south - north);
+    store(0u, sample, north + shift.fraction.y * (south - north));
 }
 
 @compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)

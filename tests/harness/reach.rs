@@ -16,6 +16,7 @@ pub struct Reach {
     sum_of_amounts: Vec<f64>,
     largest_amplitude: f32,
     range_m: f64,
+    most_instances: u32,
     has_transcendentals: bool,
     goal: Goal,
 }
@@ -53,6 +54,8 @@ fn goal(rule: &Rule) -> Goal {
         Rule::Filter(filter) => {
             Goal::Filter(filter.graph.nodes().iter().fold(1.0e-5, |share, node| match node.step {
                 Step::Sharpen { gain } => share * (1.0 + f64::from(gain)),
+                // What ten iterations of a simulation may differ by.
+                Step::Thermal { .. } | Step::Pipes { .. } => 1.0e-3,
                 _ => share,
             }))
         }
@@ -83,12 +86,14 @@ impl Reach {
             sum_of_amounts: vec![0.0; num_samples],
             largest_amplitude: 0.0,
             range_m: range_m(plane),
+            most_instances: 0,
             has_transcendentals: false,
             goal: Goal::Metres,
         };
         for batch in batches {
             reach.add(batch, plane);
         }
+        reach.most_instances = reach.num_instances.iter().copied().max().unwrap_or_default();
         reach
     }
 
@@ -168,8 +173,8 @@ impl Reach {
 
     /// The most instances that act on one sample.
     #[must_use]
-    pub fn most_instances(&self) -> u32 {
-        self.num_instances.iter().copied().max().unwrap_or_default()
+    pub const fn most_instances(&self) -> u32 {
+        self.most_instances
     }
 
     /// How far apart two back ends may be at a sample whose height went from `before_m` to `after_m`: `(4 + 2 sqrt K)` units
@@ -198,7 +203,7 @@ impl Reach {
         }
         if let Goal::Filter(share) = self.goal {
             // What one instance left different, the next ones take along.
-            absolute_m += share * self.range_m * f64::from(self.most_instances());
+            absolute_m += share * self.range_m * f64::from(self.most_instances);
         }
         Tolerance {
             ulps: magnified * (4.0 + 2.0 * f64::from(num_instances).sqrt()),

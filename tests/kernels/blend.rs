@@ -29,8 +29,7 @@ fn brushes() -> Vec<(&'static str, Brush)> {
     ]
 }
 
-// What looks at neighbours is the same for all profiles, and takes a software driver long.
-back_ends_agree!(brushes, OneEach);
+back_ends_agree!(brushes);
 
 fn cpu(layout: PageLayout) -> CpuExecutor {
     CpuExecutor::new(layout, 1 << 24, Some(2)).unwrap()

@@ -7,6 +7,7 @@
 mod agreement;
 mod blend;
 mod centre_line;
+mod erosion;
 mod ledge;
 mod level;
 mod mask;

@@ -6,6 +6,7 @@ use orogeny_brush::filter::kernels::convolve::ConvolveUniform;
 use orogeny_brush::filter::kernels::interpolate::InterpolateUniform;
 use orogeny_brush::filter::kernels::sharpen::SharpenUniform;
 use orogeny_brush::filter::kernels::shift::ShiftUniform;
+use orogeny_brush::filter::kernels::thermal::ThermalUniform;
 use orogeny_brush::filter::kernels::{PlaneUniform, StepUniform};
 use orogeny_brush::kernels::blend::BlendUniform;
 use orogeny_brush::kernels::custom::CustomUniform;
@@ -20,7 +21,7 @@ use orogeny_brush::kernels::stamp::StampUniform;
 use orogeny_brush::kernels::terrace::TerraceUniform;
 use orogeny_brush::{BrushUniform, Tile};
 use orogeny_field::noise::{FrameOctave, LatticePoint, LatticeStep};
-use orogeny_field::{Instance, PhaseWeights};
+use orogeny_field::{Instance, PhaseWeights, PipesKernel, ThermalLayer};
 use orogeny_shaders::{SHADERS, Shader, Struct};
 
 /// A field of a struct: name, offset and size in bytes.
@@ -102,13 +103,29 @@ fn mirrors() -> Vec<Mirror> {
             }
         ),
         mirror!("Brush", BrushUniform { inverse_falloff_ratio, falloff_exponent, falloff_scale }),
-        mirror!("Plane", PlaneUniform { origin, stride, padding }),
-        mirror!("Step", StepUniform { result, first, second, size, mirrored_in }),
+        mirror!("Plane", PlaneUniform { origin, stride, channel_stride }),
+        mirror!("Step", StepUniform { result, first, second, size, extent, is_mirrored, phase }),
         mirror!("Convolve", ConvolveUniform { stride, num_weights }),
         mirror!("Interpolate", InterpolateUniform { num_phases }),
         mirror!("PhaseWeights", PhaseWeights { before, next, after_next }),
         mirror!("Sharpen", SharpenUniform { gain }),
         mirror!("Shift", ShiftUniform { cell, fraction }),
+        mirror!("Thermal", ThermalUniform { num_layers }),
+        mirror!("ThermalLayer", ThermalLayer { from_m, talus_m, half_rate }),
+        mirror!(
+            "Pipes",
+            PipesKernel {
+                rain_m,
+                staying,
+                flowing,
+                acceleration,
+                capacity,
+                min_slope,
+                dissolving,
+                deposition,
+                slope_scale
+            }
+        ),
         mirror!("Blend", BlendUniform { goal_origin, goal_stride, padding }),
         mirror!("Ledge", LedgeUniform { direction }),
         mirror!("Level", LevelUniform { target_height_m, only }),

@@ -4,7 +4,8 @@ use orogeny_brush::Executor;
 use orogeny_field::noise::{Noise, NoiseDirection, Normalization, Seeding, Turbulence};
 use orogeny_field::{
     Alpha, AlphaRotation, AspectGate, Band, Blending, Brush, BrushType, DataSource, Gate, Jitter, NoiseGate,
-    PageLayout, PointerSample, SampleRect, SmoothMethod, Smoothing, Symmetry, SymmetryKind, Terrace,
+    PageLayout, Pipes, PointerSample, SampleRect, SmoothMethod, Smoothing, Symmetry, SymmetryKind, Terrace,
+    Thermal,
 };
 use orogeny_gpu::Gpu;
 use orogeny_tests::{Feed, Operation, Plane, Split, compare, gpu, paint, terrain};
@@ -116,6 +117,20 @@ fn neighbourhood_operations() -> Vec<Operation> {
             seed: 0,
             region: SampleRect::new(30, 10, 190, 140),
         },
+        stroke(
+            Brush {
+                thermal: Thermal { iterations: 12, ..Thermal::default() },
+                ..Brush::new(BrushType::ErodeThermal, 26.0, 0.6)
+            },
+            &LOOP,
+        ),
+        stroke(
+            Brush {
+                pipes: Pipes { iterations: 9, ..Pipes::default() },
+                ..Brush::new(BrushType::ErodeFluvial, 26.0, 0.8)
+            },
+            &LOOP[2..],
+        ),
         stroke(
             smooth(SmoothMethod::Gaussian, Blending::Wash, 3.0),
             &[LOOP.as_slice(), LOOP.as_slice()].concat(),

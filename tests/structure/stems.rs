@@ -26,6 +26,7 @@ const PLACES: [Place; 4] = [
         exceptions: &[
             ("main", "lists the stages' tests"),
             ("agreement", "compares the back ends for every stage"),
+            ("erosion", "compares the back ends for what `blend` pulls the ground to"),
             ("centre_line", "holds what a strength means, for every profile"),
             ("numpy", "compares what all stages share with NumPy"),
         ],
@@ -45,8 +46,6 @@ const STEP_PLACES: [Place; 3] = [
             ("flow", "works on a whole region at once, on the CPU"),
             ("around", "the neighbours of a sample, for the two above"),
             ("padded", "parts of rows with what lies around them, for the simulations"),
-            ("thermal", "has no twin yet"),
-            ("pipes", "has no twin yet"),
             ("droplets", "has no twin yet"),
         ],
     },

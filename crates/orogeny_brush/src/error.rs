@@ -45,6 +45,9 @@ pub enum Error {
         /// The limit.
         limit_in_bytes: u64,
     },
+    /// Whoever watched the work said not to go on.
+    #[error("it was interrupted")]
+    Interrupted,
     /// The GPU failed.
     #[error(transparent)]
     Gpu(#[from] orogeny_gpu::Error),

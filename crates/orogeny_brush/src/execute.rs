@@ -22,6 +22,9 @@ pub struct PageMemory {
     pub textures_in_bytes: u64,
 }
 
+/// Is told which share of something, 0..1, is done, and says whether to go on.
+pub type Watch<'a> = &'a mut dyn FnMut(f64) -> bool;
+
 /// Applies batches to pages. One operation at a time: batches of one stroke or fill in order, then [`finish`](Self::finish)
 /// or [`cancel`](Self::cancel).
 ///
@@ -36,7 +39,15 @@ pub trait Executor: Send {
     /// # Errors
     /// [`crate::Error::Pages`] when pages cannot be had or saved, [`crate::Error::Gpu`] when the GPU fails. The operation
     /// is then to be cancelled.
-    fn run(&mut self, batch: &Batch, store: &mut dyn PageStore) -> Result<()>;
+    fn run(&mut self, batch: &Batch, store: &mut dyn PageStore) -> Result<()> {
+        self.run_watched(batch, store, &mut |_| true)
+    }
+
+    /// The same with a look now and then, where a batch takes long, at whether to go on.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run); [`crate::Error::Interrupted`] where it is not to go on.
+    fn run_watched(&mut self, batch: &Batch, store: &mut dyn PageStore, watch: Watch<'_>) -> Result<()>;
 
     /// Ends the operation: all that it changed is saved to `store`. Only after this has returned may the operation be
     /// acknowledged.

@@ -117,7 +117,7 @@ impl Batch {
             _ if pages.is_empty() => Vec::new(),
             Rule::Filter(filter) if filter.is_sequential => vec![pages],
             Rule::Filter(filter) => {
-                let blocks = filter::blocks(layout, &pages, filter.graph.halo());
+                let blocks = filter::blocks(layout, &pages, &filter.graph);
                 blocks.into_iter().map(|block| block.pages).collect()
             }
             _ => {

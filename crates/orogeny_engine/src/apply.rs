@@ -265,8 +265,17 @@ fn run_batch(
     let mut num_done = 0;
     tell(num_done)?;
     for piece in batch.split(pages.layout(), BATCH_PAGES) {
-        executor.run(&piece, pages)?;
-        num_done += piece.pages.len() as u64;
+        let num_pages = piece.pages.len() as u64;
+        let mut told = Ok(());
+        let mut watch = |share: f64| {
+            told = tell(num_done + (share * num_pages as f64) as u64);
+            told.is_ok()
+        };
+        let run = executor.run_watched(&piece, pages, &mut watch);
+        // Who cancelled it is said before that it was.
+        told?;
+        run?;
+        num_done += num_pages;
         tell(num_done)?;
     }
     Ok(())
@@ -276,7 +285,7 @@ fn run_batch(
 mod tests {
     use super::*;
     use crate::{Adapter, Quiet, Settings};
-    use orogeny_brush::PageMemory;
+    use orogeny_brush::{PageMemory, Watch};
     use orogeny_field::PageKey;
     use orogeny_pages::PageStore;
 
@@ -288,7 +297,12 @@ mod tests {
             "an executor that fails".to_owned()
         }
 
-        fn run(&mut self, _batch: &Batch, _store: &mut dyn PageStore) -> orogeny_brush::Result<()> {
+        fn run_watched(
+            &mut self,
+            _batch: &Batch,
+            _store: &mut dyn PageStore,
+            _watch: Watch<'_>,
+        ) -> orogeny_brush::Result<()> {
             Err(self.0.clone().into())
         }
 

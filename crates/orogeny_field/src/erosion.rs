@@ -52,7 +52,8 @@ impl Default for Thermal {
 }
 
 /// A layer as kernels take it.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct ThermalLayer {
     /// Where it begins, in metres.
     pub from_m: f32,
@@ -145,13 +146,14 @@ impl Default for Pipes {
             gravity_m_per_s2: 9.81,
             pipe_area_m2: None,
             time_step_s: None,
-            iterations: 300,
+            iterations: 150,
         }
     }
 }
 
 /// [`Pipes`] as kernels take it: flows are metres of a sample's water in one iteration.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct PipesKernel {
     /// Metres that fall in an iteration.
     pub rain_m: f32,

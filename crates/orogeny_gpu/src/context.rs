@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use crate::adapter::{AdapterChoice, AdapterDescription, choose};
+use crate::kernel::BuiltKernels;
 use crate::{Error, Result};
 
 /// How long the device may take for what was submitted before it counts as hung.
@@ -17,6 +18,7 @@ pub struct Gpu {
     description: AdapterDescription,
     troubles: Arc<Mutex<Troubles>>,
     timeout: Duration,
+    kernels: Arc<BuiltKernels>,
 }
 
 /// What the driver said outside of any call that could have returned it.
@@ -57,7 +59,7 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             lock(&noted).errors.push(error.to_string())
         }));
-        Ok(Self { device, queue, description, troubles, timeout: TIMEOUT })
+        Ok(Self { device, queue, description, troubles, timeout: TIMEOUT, kernels: Arc::default() })
     }
 
     /// The same device, with another time after which it counts as hung; a minute unless this is said.
@@ -71,6 +73,10 @@ impl Gpu {
     #[must_use]
     pub const fn device(&self) -> &wgpu::Device {
         &self.device
+    }
+
+    pub(crate) fn built_kernels(&self) -> &BuiltKernels {
+        &self.kernels
     }
 
     /// Its queue.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use orogeny_shaders::{Binding, BindingKind, SampleType, Shader, TextureAccess, TextureDimension, shader};
 
@@ -20,29 +20,19 @@ pub struct Kernel {
     pub bind_group_layout: wgpu::BindGroupLayout,
 }
 
-/// The kernels of a device, built when first asked for.
-#[derive(Debug)]
-pub struct Kernels {
-    gpu: Gpu,
-    built: HashMap<Variant, Arc<Kernel>>,
-}
+/// The kernels that a device has built.
+pub(crate) type BuiltKernels = Mutex<HashMap<Variant, Arc<Kernel>>>;
 
 /// A stem, or what tells a kernel that does not come with the program from others, and its constants, in the order in which they
 /// were given.
 type Variant = (Cow<'static, str>, Vec<(&'static str, u32)>);
 
-impl Kernels {
-    /// None built yet.
-    #[must_use]
-    pub fn new(gpu: Gpu) -> Self {
-        Self { gpu, built: HashMap::new() }
-    }
-
-    /// The kernel of a stem (`brush/raise`) with its pipeline-overridable constants.
+impl Gpu {
+    /// The kernel of a stem (`brush/raise`) with its pipeline-overridable constants; built when it is first asked for.
     ///
     /// # Errors
     /// [`Error::NoKernel`] for an unknown stem, [`Error::Validation`] when the driver refuses it.
-    pub fn kernel(&mut self, stem: &'static str, constants: &[(&'static str, u32)]) -> Result<Arc<Kernel>> {
+    pub fn kernel(&self, stem: &'static str, constants: &[(&'static str, u32)]) -> Result<Arc<Kernel>> {
         let shader = shader(stem).ok_or_else(|| Error::NoKernel { stem: stem.to_owned() })?;
         self.built_once(shader, Cow::Borrowed(stem), constants)
     }
@@ -52,7 +42,7 @@ impl Kernels {
     /// # Errors
     /// [`Error::Validation`] when the driver refuses it.
     pub fn kernel_of(
-        &mut self,
+        &self,
         shader: &Shader,
         identity: &str,
         constants: &[(&'static str, u32)],
@@ -61,23 +51,26 @@ impl Kernels {
     }
 
     fn built_once(
-        &mut self,
+        &self,
         shader: &Shader,
         name: Cow<'static, str>,
         constants: &[(&'static str, u32)],
     ) -> Result<Arc<Kernel>> {
         let variant = (name, constants.to_vec());
-        if let Some(kernel) = self.built.get(&variant) {
+        // A thread that failed while it had the map leaves it whole: it is only added to.
+        let built = || self.built_kernels().lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kernel) = built().get(&variant) {
             return Ok(Arc::clone(kernel));
         }
+        // Not under the lock: drivers take long. Should two threads build one at a time, they have the same.
         let kernel = Arc::new(self.build(shader, constants)?);
-        self.built.insert(variant, Arc::clone(&kernel));
+        built().insert(variant, Arc::clone(&kernel));
         Ok(kernel)
     }
 
     fn build(&self, shader: &Shader, constants: &[(&str, u32)]) -> Result<Kernel> {
         let stem = &shader.stem;
-        let device = self.gpu.device();
+        let device = self.device();
         let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let label = format!("orogeny.{stem}");
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {

@@ -4,7 +4,7 @@
 //! - [`list_adapters`], [`AdapterChoice`]: what there is, and which of it to take.
 //! - [`Gpu`]: device and queue, with every error and the loss of the device recorded; [`Gpu::check`] is asked before
 //!   anything is called done, since wgpu reports nothing once a device is gone.
-//! - [`Kernels`]: compute pipelines by stem and constants, built once. Bind group layouts come from the shader's reflection.
+//! - [`Gpu::kernel`]: compute pipelines by stem and constants, built once for a device. Bind group layouts come from the shader's reflection.
 //! - [`ReadbackBelt`]: texture layers on their way back to memory.
 //!
 //! Limits: only WebGPU's default limits and no optional features are asked for.
@@ -18,5 +18,5 @@ mod readback;
 pub use adapter::{AdapterChoice, AdapterDescription, list_adapters};
 pub use context::Gpu;
 pub use error::{Error, Result};
-pub use kernel::{Kernel, Kernels};
+pub use kernel::Kernel;
 pub use readback::{ReadBack, ReadbackBelt};

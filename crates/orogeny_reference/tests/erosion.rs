@@ -13,7 +13,7 @@ use orogeny_field::{
     DROPLET_BUDGET, DropletKernel, Droplets, Error, Pipes, PipesKernel, Plane, RockLayer, SampleRect,
     Thermal, ThermalKernel,
 };
-use orogeny_reference::field::{droplets, pipes, thermal};
+use orogeny_reference::field::{Channel, droplets, pipes, thermal};
 use serde_json::Value;
 
 /// What is in a row before it is written: no height, and no part of one.
@@ -157,25 +157,34 @@ fn thermal_step(
 ) -> Plane {
     assert!(heights.rect().contains(&out.grown(thermal::HALO).intersection(bounds)));
     let around = out.grown(1).intersection(bounds);
-    let mut shares = Plane::constant(around, SENTINEL);
-    let mut taluses = Plane::constant(around, SENTINEL);
+    let num_channels = if kernel.num_layers == 1 { 1 } else { 2 };
+    let mut shares = Plane::with_channels(around, num_channels, SENTINEL);
+    let (width, area) = (around.width() as usize, around.area() as usize);
     for z in around.z0..around.z1 {
         for (first, end) in pieces(around.width() as usize, is_cut) {
             let x = around.x0 + first as i32;
-            let taluses = &mut taluses.row_mut(z).unwrap()[first..end];
-            let taluses = if kernel.num_layers == 1 { &mut [] } else { taluses };
-            let shares = &mut shares.row_mut(z).unwrap()[first..end];
-            thermal::shares_row(shares, taluses, x, z, heights, hardness, bounds, kernel);
+            let row = (z - around.z0) as usize * width;
+            let (shares, taluses) = shares.samples_mut().split_at_mut(area);
+            let taluses = if kernel.num_layers == 1 { &mut [] } else { &mut taluses[row + first..row + end] };
+            thermal::shares_row(
+                &mut shares[row + first..row + end],
+                taluses,
+                x,
+                z,
+                heights,
+                hardness,
+                bounds,
+                kernel,
+            );
         }
     }
-    assert!(shares.samples().iter().all(|share| (0.0..=0.125).contains(share)));
-    let taluses = (kernel.num_layers > 1).then_some(&taluses);
+    assert!(shares.samples()[..area].iter().all(|share| (0.0..=0.125).contains(share)));
     let mut new = Plane::constant(out, SENTINEL);
     for z in out.z0..out.z1 {
         for (first, end) in pieces(out.width() as usize, is_cut) {
             let x = out.x0 + first as i32;
             let new = &mut new.row_mut(z).unwrap()[first..end];
-            thermal::heights_row(new, x, z, heights, &shares, taluses, bounds, kernel);
+            thermal::heights_row(new, x, z, heights, &shares, bounds, kernel);
         }
     }
     new
@@ -405,10 +414,22 @@ impl Flood {
                 let mut channels = flux.samples_mut().chunks_mut(area);
                 let mut next = || &mut channels.next().unwrap()[row * width + first..row * width + end];
                 let flows = [next(), next(), next(), next()];
-                pipes::flux_row(flows, x, z, &self.terrain, &self.water, bounds, kernel);
+                pipes::flux_row(
+                    flows,
+                    x,
+                    z,
+                    Channel(&self.terrain, 0),
+                    Channel(&self.water, 0),
+                    bounds,
+                    kernel,
+                );
             }
         }
-        let state = pipes::State { terrain: &self.terrain, water: &self.water, sediment: &self.sediment };
+        let state = pipes::State {
+            terrain: Channel(&self.terrain, 0),
+            water: Channel(&self.water, 0),
+            sediment: Channel(&self.sediment, 0),
+        };
         let blank = Plane::constant(out, SENTINEL);
         let (mut terrain, mut water, mut sediment) = (blank.clone(), blank.clone(), blank);
         for z in out.z0..out.z1 {

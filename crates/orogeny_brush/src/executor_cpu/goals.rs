@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::CpuExecutor;
 use crate::Result;
+use crate::execute::Watch;
 use crate::filter::{self, Block, Filter};
 use crate::plan::Batch;
 
@@ -16,8 +17,9 @@ impl CpuExecutor {
         filter: &Filter,
         batch: &Batch,
         store: &mut dyn PageStore,
+        watch: Watch<'_>,
     ) -> Result<()> {
-        let mut blocks = filter::blocks(self.layout, &batch.pages, filter.graph.halo());
+        let mut blocks = filter::blocks(self.layout, &batch.pages, &filter.graph);
         // What is made of the ground as it is now is made for all blocks before it changes in any.
         let num_at_once = if filter.is_sequential { blocks.len().max(1) } else { 1 };
         let mut planes = std::mem::take(&mut self.planes);
@@ -25,7 +27,7 @@ impl CpuExecutor {
             let mut goals = Vec::with_capacity(blocks.len());
             for block in &*blocks {
                 let heights = |plane| self.gather(plane, filter, batch, store);
-                goals.push(planes.work_out(&self.threads, &filter.graph, block.rect, heights)?);
+                goals.push(planes.work_out(&self.threads, &filter.graph, block.rect, heights, watch)?);
             }
             for (Block { pages, .. }, goal) in blocks.iter().zip(goals) {
                 self.apply(batch, pages, Some(&goal), store)?;

@@ -14,7 +14,7 @@ use orogeny_field::{Page, PageKey, PageLayout, Plane, WeightMode};
 use orogeny_pages::PageStore;
 use rayon::prelude::*;
 
-use crate::execute::{Executor, Notices, PageMemory};
+use crate::execute::{Executor, Notices, PageMemory, Watch};
 use crate::kernels::Rule;
 use crate::pattern::Pattern;
 use crate::plan::{Batch, PageWork, Pass};
@@ -211,13 +211,13 @@ impl Executor for CpuExecutor {
         format!("CPU, {} threads", self.threads.current_num_threads())
     }
 
-    fn run(&mut self, batch: &Batch, store: &mut dyn PageStore) -> Result<()> {
+    fn run_watched(&mut self, batch: &Batch, store: &mut dyn PageStore, watch: Watch<'_>) -> Result<()> {
         self.check_size(store.layout().size())?;
         if matches!(batch.pass.rule, Rule::Custom(_)) {
             return Err(Error::NeedsGpu);
         }
         match &batch.pass.rule {
-            Rule::Filter(filter) => self.run_filter(filter, batch, store),
+            Rule::Filter(filter) => self.run_filter(filter, batch, store, watch),
             _ => self.apply(batch, &batch.pages, None, store),
         }
     }

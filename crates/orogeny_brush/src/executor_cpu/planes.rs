@@ -1,11 +1,12 @@
 //! Graphs worked out on the CPU: each plane row by row, on all cores.
 
 use orogeny_field::{Plane, SampleRect, mirrored};
-use orogeny_reference::field::{convolve, interpolate, sharpen, shift};
+use orogeny_reference::field::{Channel, convolve, interpolate, pipes, sharpen, shift, thermal};
 use rayon::prelude::*;
 
-use crate::Result;
-use crate::filter::{Axis, Graph, Step};
+use crate::execute::Watch;
+use crate::filter::{Axis, Graph, PipesPhase, Step, ThermalPhase};
+use crate::{Error, Result};
 
 /// Rows that a thread takes at once.
 const TASK_ROWS: usize = 8;
@@ -34,12 +35,16 @@ impl Planes {
         graph: &Graph,
         target: SampleRect,
         heights: impl FnOnce(Plane) -> Result<Plane>,
+        watch: Watch<'_>,
     ) -> Result<Plane> {
         let rects = graph.plan(target);
         let mut heights = Some(heights);
         let mut planes: Vec<Option<Plane>> = Vec::with_capacity(rects.len());
         for (place, (node, rect)) in graph.nodes().iter().zip(&rects).enumerate() {
-            let mut plane = self.memory(*rect);
+            if !watch(place as f64 / rects.len() as f64) {
+                return Err(Error::Interrupted);
+            }
+            let mut plane = self.memory(*rect, node.step.num_channels());
             if let Step::Heights = node.step {
                 plane = match heights.take() {
                     Some(heights) => heights(plane)?,
@@ -48,7 +53,7 @@ impl Planes {
             } else if !rect.is_empty() {
                 let sources: Vec<_> =
                     node.inputs.iter().filter_map(|input| source(graph, &planes, *input)).collect();
-                threads.install(|| fill(&mut plane, &node.step, &sources));
+                threads.install(|| fill(&mut plane, &node.step, &sources, graph.extent()));
             }
             planes.push(Some(plane));
             // What no later plane is made of gives its memory back.
@@ -75,15 +80,15 @@ impl Planes {
     }
 
     /// A plane whose values are to be written.
-    fn memory(&mut self, rect: SampleRect) -> Plane {
+    fn memory(&mut self, rect: SampleRect, num_channels: u32) -> Plane {
         // The smallest that is large enough, else the largest.
-        let size = rect.area() as usize;
+        let size = rect.area() as usize * num_channels as usize;
         let is_better = |plane: &Plane| (plane.capacity() < size, plane.capacity().abs_diff(size));
         let best =
             self.pool.iter().enumerate().min_by_key(|(_, plane)| is_better(plane)).map(|(place, _)| place);
         match best {
-            Some(place) => self.pool.swap_remove(place).reused(rect, 1),
-            None => Plane::constant(rect, 0.0),
+            Some(place) => self.pool.swap_remove(place).reused(rect, num_channels),
+            None => Plane::with_channels(rect, num_channels, 0.0),
         }
     }
 }
@@ -146,16 +151,107 @@ impl<'a> Source<'a> {
 }
 
 /// Works out all rows of a plane.
-fn fill(plane: &mut Plane, step: &Step, sources: &[Source<'_>]) {
+fn fill(plane: &mut Plane, step: &Step, sources: &[Source<'_>], extent: [u32; 2]) {
     let rect = plane.rect();
-    let width = rect.width() as usize;
-    let rows = plane.samples_mut().par_chunks_mut(width).enumerate().with_min_len(TASK_ROWS);
-    rows.for_each_init(
-        || (Vec::new(), Vec::new()),
-        |(buffer, other), (row, target)| {
-            work_out_row(target, [rect.x0, rect.z0 + row as i32], step, sources, buffer, other);
-        },
-    );
+    let (width, area) = (rect.width() as usize, rect.area() as usize);
+    if plane.num_channels() == 1 {
+        let rows = plane.samples_mut().par_chunks_mut(width).enumerate().with_min_len(TASK_ROWS);
+        rows.for_each_init(
+            || (Vec::new(), Vec::new()),
+            |(buffer, other), (row, target)| {
+                let first = [rect.x0, rect.z0 + row as i32];
+                match step {
+                    Step::Thermal { .. } | Step::Pipes { .. } => {
+                        erode_row(&mut [target], first, step, sources, extent)
+                    }
+                    _ => work_out_row(target, first, step, sources, buffer, other),
+                }
+            },
+        );
+        return;
+    }
+    // The rows of all channels that belong together.
+    let mut rows: Vec<Vec<&mut [f32]>> = (0..rect.depth()).map(|_| Vec::new()).collect();
+    for channel in plane.samples_mut().chunks_mut(area) {
+        for (rows, row) in rows.iter_mut().zip(channel.chunks_mut(width)) {
+            rows.push(row);
+        }
+    }
+    rows.par_iter_mut().enumerate().with_min_len(TASK_ROWS).for_each(|(row, targets)| {
+        erode_row(targets, [rect.x0, rect.z0 + row as i32], step, sources, extent);
+    });
+}
+
+/// Works out a row, in all channels, of a step of erosion, beyond whose terrain there is nothing.
+fn erode_row(
+    targets: &mut [&mut [f32]],
+    [x, z]: [i32; 2],
+    step: &Step,
+    sources: &[Source<'_>],
+    [width, depth]: [u32; 2],
+) {
+    let bounds = &SampleRect::new(0, 0, width.cast_signed(), depth.cast_signed());
+    let Some(first) = sources.first().map(|source| source.plane) else { return };
+    let second = sources.get(1).map(|source| source.plane);
+    let of = |channel| Channel(first, channel);
+    match (step, second, targets) {
+        (Step::Thermal { phase: ThermalPhase::Shares, kernel }, _, [shares, taluses @ ..]) => {
+            let taluses = taluses.first_mut().map_or(&mut [][..], |taluses| taluses);
+            thermal::shares_row(shares, taluses, x, z, first, None, bounds, kernel);
+        }
+        (Step::Thermal { phase: ThermalPhase::Heights, kernel }, Some(shares), [heights]) => {
+            thermal::heights_row(heights, x, z, first, shares, bounds, kernel);
+        }
+        (Step::Pipes { phase: PipesPhase::Begin, .. }, _, [terrain, water, sediment]) => {
+            terrain.copy_from_slice(part(first, 0, x, z, terrain.len()));
+            water.fill(0.0);
+            sediment.fill(0.0);
+        }
+        (
+            Step::Pipes { phase: PipesPhase::FirstFlux | PipesPhase::Flux, kernel },
+            before,
+            [west, east, north, south],
+        ) => {
+            let flows = [&mut **west, &mut **east, &mut **north, &mut **south];
+            for (channel, flows) in (0..).zip(flows) {
+                match before {
+                    Some(before) => flows.copy_from_slice(part(before, channel, x, z, flows.len())),
+                    None => flows.fill(0.0),
+                }
+            }
+            pipes::flux_row(
+                [west, east, north, south],
+                x,
+                z,
+                of(pipes::TERRAIN),
+                of(pipes::WATER),
+                bounds,
+                kernel,
+            );
+        }
+        (Step::Pipes { phase: PipesPhase::Ground, kernel }, Some(flux), [terrain, water, sediment]) => {
+            let row = pipes::StateRow { terrain, water, sediment };
+            let state = pipes::State {
+                terrain: of(pipes::TERRAIN),
+                water: of(pipes::WATER),
+                sediment: of(pipes::SEDIMENT),
+            };
+            pipes::ground_row(row, x, z, &state, flux, None, bounds, kernel);
+        }
+        (Step::Pipes { phase: PipesPhase::Settle, .. }, _, [heights]) => {
+            heights.copy_from_slice(part(first, pipes::TERRAIN, x, z, heights.len()));
+            pipes::settle_row(heights, part(first, pipes::SEDIMENT, x, z, heights.len()));
+        }
+        _ => debug_assert!(false, "a step of erosion without its planes"),
+    }
+}
+
+/// `length` samples of a channel from a place on, which the plane has.
+fn part(plane: &Plane, channel: u32, x: i32, z: i32, length: usize) -> &[f32] {
+    let first = x.abs_diff(plane.rect().x0) as usize;
+    let part = plane.channel_row(channel, z).and_then(|row| row.get(first..first + length));
+    debug_assert!(part.is_some(), "{length} samples from {x}, {z} on of {:?}", plane.rect());
+    part.unwrap_or_default()
 }
 
 /// Works out a row that begins at a sample.
@@ -170,7 +266,7 @@ fn work_out_row(
     let Some(source) = sources.first() else { return };
     let length = target.len();
     match step {
-        Step::Heights => {}
+        Step::Heights | Step::Thermal { .. } | Step::Pipes { .. } => {}
         Step::Convolve { axis: Axis::X, stride, weights } => {
             let first = x * stride.cast_signed() - weights.len() as i32;
             let stride = *stride as usize;
@@ -262,7 +358,7 @@ mod tests {
         let mut planes = Planes::default();
         // Memory that was used before, and is not what it should be.
         planes.give_back(Plane::constant(SampleRect::new(0, 0, 500, 500), f32::NAN));
-        planes.work_out(&threads, graph, target, |plane| Ok(part_of(ground, plane))).unwrap()
+        planes.work_out(&threads, graph, target, |plane| Ok(part_of(ground, plane)), &mut |_| true).unwrap()
     }
 
     #[test]

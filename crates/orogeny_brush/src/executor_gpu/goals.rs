@@ -5,9 +5,13 @@ use orogeny_pages::PageStore;
 
 use super::planes::GpuPlane;
 use super::{GpuExecutor, Shared};
-use crate::Result;
+use crate::execute::Watch;
 use crate::filter::{self, Filter};
 use crate::plan::Batch;
+use crate::{Error, Result};
+
+/// Samples that are worked out by one submission: a second or so of a weak GPU.
+const STEP_SAMPLES: u64 = 1 << 26;
 
 impl GpuExecutor {
     /// Works out what a filter makes of the ground under a batch, and applies it.
@@ -17,14 +21,15 @@ impl GpuExecutor {
         batch: &Batch,
         shared: &Shared,
         store: &mut dyn PageStore,
+        watch: Watch<'_>,
     ) -> Result<()> {
-        let blocks = filter::blocks(self.layout, &batch.pages, filter.graph.halo());
+        let blocks = filter::blocks(self.layout, &batch.pages, &filter.graph);
         // What is made of the ground as it is now is made for all blocks before it changes in any.
         let num_at_once = if filter.is_sequential { blocks.len().max(1) } else { 1 };
         for blocks in blocks.chunks(num_at_once) {
             let goals = blocks
                 .iter()
-                .map(|block| self.work_out(filter, batch, block.rect, store))
+                .map(|block| self.work_out(filter, batch, block.rect, store, watch))
                 .collect::<Result<Vec<_>>>()?;
             for (block, goal) in blocks.iter().zip(goals) {
                 self.apply(batch, &block.pages, shared, Some(&goal), store)?;
@@ -41,6 +46,7 @@ impl GpuExecutor {
         batch: &Batch,
         rect: SampleRect,
         store: &mut dyn PageStore,
+        watch: Watch<'_>,
     ) -> Result<GpuPlane> {
         let rects = filter.graph.plan(rect);
         let ground = rects.first().copied().unwrap_or(SampleRect::EMPTY);
@@ -49,18 +55,26 @@ impl GpuExecutor {
             .collect();
         self.await_pages(&keys, store)?;
         let mut encoder = self.encoder();
-        let heights = self.planes.plane(&self.gpu, ground)?;
+        let heights = self.planes.plane(&self.gpu, ground, 1)?;
         self.gather(&mut encoder, &heights, &keys, filter.is_sequential, store)?;
-        let goal = self.planes.work_out(
-            &self.gpu,
-            &mut self.kernels,
-            &mut encoder,
-            &filter.graph,
-            &rects,
-            heights,
-        )?;
+        let num_nodes = rects.len();
+        let mut made = vec![Some(heights)];
+        let mut work = 0;
+        for (place, rect) in rects.iter().enumerate().skip(1) {
+            let graph = (&*filter.graph, rects.as_slice());
+            self.planes.record(&self.gpu, &mut encoder, graph, place, &mut made)?;
+            work += rect.area();
+            // In steps that no driver takes for hung, with a look in between at whether to go on.
+            if work > STEP_SAMPLES {
+                work = 0;
+                self.submit(std::mem::replace(&mut encoder, self.encoder()))?;
+                if !watch(place as f64 / num_nodes as f64) {
+                    return Err(Error::Interrupted);
+                }
+            }
+        }
         self.submit(encoder)?;
-        Ok(goal)
+        made.pop().flatten().ok_or(Error::Interrupted)
     }
 
     /// Records the copies of pages into a plane: from textures where they are resident in the state that is wanted, else from

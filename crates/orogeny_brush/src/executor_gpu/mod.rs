@@ -13,10 +13,10 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use orogeny_field::{Bitmap, Page, PageKey, PageLayout, WeightMode};
-use orogeny_gpu::{Gpu, Kernels, ReadBack, ReadbackBelt};
+use orogeny_gpu::{Gpu, ReadBack, ReadbackBelt};
 use orogeny_pages::{AtlasLimits, PageStore, Slot};
 
-use crate::execute::{Executor, Notices, PageMemory};
+use crate::execute::{Executor, Notices, PageMemory, Watch};
 use crate::kernels::{OwnData, Rule, blend, noise};
 use crate::plan::{Batch, PageWork, Pass};
 use crate::tiles::{PageLayers, TileList};
@@ -49,7 +49,6 @@ pub struct GpuBudget {
 pub struct GpuExecutor {
     gpu: Gpu,
     layout: PageLayout,
-    kernels: Kernels,
     heights: Heights,
     scratch: Scratch,
     gates: Gates,
@@ -135,7 +134,6 @@ impl GpuExecutor {
         })?;
         Ok(Self {
             layout,
-            kernels: Kernels::new(gpu.clone()),
             heights,
             scratch,
             gates,
@@ -350,9 +348,9 @@ impl GpuExecutor {
         let kernel = match &batch.pass.rule {
             Rule::Custom(rule) => {
                 let program = &rule.program;
-                self.kernels.kernel_of(&program.brush.shader, &program.identity, &shared.constants)?
+                self.gpu.kernel_of(&program.brush.shader, &program.identity, &shared.constants)?
             }
-            _ => self.kernels.kernel(stem, &shared.constants)?,
+            _ => self.gpu.kernel(stem, &shared.constants)?,
         };
         let storage = wgpu::BufferUsages::STORAGE;
         let lattice = match &batch.pass.rule {
@@ -470,7 +468,7 @@ impl Executor for GpuExecutor {
         format!("GPU, {}", self.gpu.description())
     }
 
-    fn run(&mut self, batch: &Batch, store: &mut dyn PageStore) -> Result<()> {
+    fn run_watched(&mut self, batch: &Batch, store: &mut dyn PageStore, watch: Watch<'_>) -> Result<()> {
         let (expected, actual) = (self.layout.size(), store.layout().size());
         if expected != actual {
             return Err(Error::PageSize { expected, actual });
@@ -480,7 +478,7 @@ impl Executor for GpuExecutor {
         }
         let shared = self.share(batch)?;
         match &batch.pass.rule {
-            Rule::Filter(filter) => self.run_filter(filter, batch, &shared, store),
+            Rule::Filter(filter) => self.run_filter(filter, batch, &shared, store, watch),
             _ => self.apply(batch, &batch.pages, &shared, None, store),
         }
     }

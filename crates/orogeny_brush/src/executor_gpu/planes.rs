@@ -1,7 +1,7 @@
 //! Graphs worked out on the GPU: each plane a buffer, one dispatch a step.
 
 use orogeny_field::SampleRect;
-use orogeny_gpu::{Gpu, Kernels};
+use orogeny_gpu::Gpu;
 
 use crate::filter::kernels::{PlaneUniform, StepUniform};
 use crate::filter::{Graph, Step};
@@ -12,7 +12,7 @@ const WORKGROUP_SIDE: u32 = 16;
 /// Samples that a row is a multiple of, so that it can be copied to and from textures: 256 bytes.
 const STRIDE_UNIT: u32 = 64;
 /// Buffers that are kept for the next graph.
-const MAX_POOLED: usize = 4;
+const MAX_POOLED: usize = 8;
 
 /// A plane in a buffer.
 #[derive(Debug, Clone)]
@@ -36,7 +36,11 @@ impl GpuPlane {
     }
 
     pub(super) const fn uniform(&self) -> PlaneUniform {
-        PlaneUniform { origin: [self.rect.x0, self.rect.z0], stride: self.stride, padding: 0 }
+        PlaneUniform {
+            origin: [self.rect.x0, self.rect.z0],
+            stride: self.stride,
+            channel_stride: self.stride * self.rect.depth(),
+        }
     }
 }
 
@@ -45,9 +49,9 @@ impl GpuPlanes {
     ///
     /// # Errors
     /// [`Error::PlaneSize`] for one that no buffer of the device holds; [`Error::Gpu`] when there is no memory.
-    pub(super) fn plane(&mut self, gpu: &Gpu, rect: SampleRect) -> Result<GpuPlane> {
+    pub(super) fn plane(&mut self, gpu: &Gpu, rect: SampleRect, num_channels: u32) -> Result<GpuPlane> {
         let stride = rect.width().max(1).next_multiple_of(STRIDE_UNIT);
-        let size = u64::from(stride) * u64::from(rect.depth().max(1)) * 4;
+        let size = u64::from(stride) * u64::from(rect.depth().max(1)) * u64::from(num_channels) * 4;
         let limit = gpu.device().limits().max_storage_buffer_binding_size;
         if size > limit {
             return Err(Error::PlaneSize { width: rect.width(), depth: rect.depth(), limit_in_bytes: limit });
@@ -82,54 +86,48 @@ impl GpuPlanes {
         self.pool.iter().map(wgpu::Buffer::size).sum()
     }
 
-    /// Records the steps of a graph, whose planes have the rectangles that it planned, from its heights on.
-    pub(super) fn work_out(
+    /// Records the step that makes plane number `place` of a graph, whose planes have the rectangles that it planned; those before it
+    /// are there. Gives back the memory of those that no later step reads.
+    pub(super) fn record(
         &mut self,
         gpu: &Gpu,
-        kernels: &mut Kernels,
         encoder: &mut wgpu::CommandEncoder,
-        graph: &Graph,
-        rects: &[SampleRect],
-        heights: GpuPlane,
-    ) -> Result<GpuPlane> {
-        let nowhere = heights.clone();
-        let mut heights = Some(heights);
-        let mut planes: Vec<Option<GpuPlane>> = Vec::with_capacity(rects.len());
-        for (place, (node, rect)) in graph.nodes().iter().zip(rects).enumerate() {
-            let plane = match heights.take_if(|_| node.step == Step::Heights) {
-                Some(heights) => heights,
-                None => self.plane(gpu, *rect)?,
+        (graph, rects): (&Graph, &[SampleRect]),
+        place: usize,
+        made: &mut Vec<Option<GpuPlane>>,
+    ) -> Result<()> {
+        let (Some(node), Some(rect)) = (graph.nodes().get(place), rects.get(place)) else { return Ok(()) };
+        let plane = self.plane(gpu, *rect, node.step.num_channels())?;
+        let input = |number: usize| {
+            let place = node.inputs.get(number)?;
+            Some((made.get(*place)?.as_ref()?, graph.nodes().get(*place)?))
+        };
+        if let (Some(stem), Some((first, first_node))) = (node.step.stem(), input(0)) {
+            let second = input(1).map_or(first, |(second, _)| second);
+            let uniform = StepUniform {
+                result: plane.uniform(),
+                first: first.uniform(),
+                second: second.uniform(),
+                size: [rect.width(), rect.depth()],
+                extent: graph.extent(),
+                is_mirrored: u32::from(first_node.step == Step::Heights),
+                phase: node.step.phase(),
             };
-            let input = |number: usize| {
-                let place = node.inputs.get(number)?;
-                Some((planes.get(*place)?.as_ref()?, graph.nodes().get(*place)?))
-            };
-            if let (Some(stem), Some((first, first_node))) = (node.step.stem(), input(0)) {
-                let second = input(1).map_or(first, |(second, _)| second);
-                let uniform = StepUniform {
-                    result: plane.uniform(),
-                    first: first.uniform(),
-                    second: second.uniform(),
-                    size: [rect.width(), rect.depth()],
-                    mirrored_in: if first_node.step == Step::Heights { graph.extent() } else { [0; 2] },
-                };
-                dispatch(gpu, kernels, encoder, stem, &node.step, &uniform, [first, second, &plane])?;
-            }
-            planes.push(Some(plane));
-            for input in &node.inputs {
-                let is_last = graph.nodes().iter().skip(place + 1).all(|later| !later.inputs.contains(input));
-                if is_last && let Some(plane) = planes.get_mut(*input).and_then(Option::take) {
-                    self.give_back(plane);
-                }
+            dispatch(gpu, encoder, stem, &node.step, &uniform, [first, second, &plane])?;
+        }
+        made.push(Some(plane));
+        for input in &node.inputs {
+            let is_last = graph.nodes().iter().skip(place + 1).all(|later| !later.inputs.contains(input));
+            if is_last && let Some(plane) = made.get_mut(*input).and_then(Option::take) {
+                self.give_back(plane);
             }
         }
-        Ok(planes.pop().flatten().unwrap_or(nowhere))
+        Ok(())
     }
 }
 
 fn dispatch(
     gpu: &Gpu,
-    kernels: &mut Kernels,
     encoder: &mut wgpu::CommandEncoder,
     stem: &'static str,
     step: &Step,
@@ -137,7 +135,7 @@ fn dispatch(
     planes: [&GpuPlane; 3],
 ) -> Result<()> {
     let own = step.data();
-    let kernel = kernels.kernel(stem, &own.constants)?;
+    let kernel = gpu.kernel(stem, &own.constants)?;
     let (uniform_usage, storage_usage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
     let small = |usage, bytes: &[u8]| gpu.create_buffer_with("orogeny.brush.step", usage, bytes);
     let uniform_buffer = small(uniform_usage, bytemuck::bytes_of(uniform))?;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use orogeny_field::{PageLayout, SampleRect};
 
+use super::Graph;
 use crate::plan::PageWork;
 
 /// Samples a side after which a block is cut, unless the filter's halo asks for more.
@@ -22,11 +23,19 @@ pub struct Block {
     pub pages: Vec<PageWork>,
 }
 
-/// Puts pages together into blocks, so that a halo is read once for pages side by side: up to a number of samples a side that is
-/// some times the halo.
+/// Puts pages together into blocks, so that the halo of a graph is read once for pages side by side: up to a number of samples a
+/// side that is some times the halo, or the whole terrain where it is no more than can be worked on at once.
 #[must_use]
-pub fn blocks(layout: PageLayout, pages: &[PageWork], halo: u32) -> Vec<Block> {
-    let side = BLOCK_SIDE.max(halo.saturating_mul(HALOS_A_SIDE)).min(MAX_SIDE.saturating_sub(2 * halo));
+pub fn blocks(layout: PageLayout, pages: &[PageWork], graph: &Graph) -> Vec<Block> {
+    let halo = graph.halo();
+    let largest = MAX_SIDE / graph.num_channels().isqrt();
+    let [width, depth] = graph.extent();
+    let wanted = BLOCK_SIDE.max(halo.saturating_mul(HALOS_A_SIDE));
+    let side = match largest.saturating_sub(2 * halo) {
+        room if wanted <= room => wanted,
+        _ if width.max(depth) <= largest => largest,
+        room => room,
+    };
     let side = (side / layout.size()).max(1);
     let mut cells = BTreeMap::<(u32, u32), Block>::new();
     for work in pages {
@@ -42,6 +51,7 @@ pub fn blocks(layout: PageLayout, pages: &[PageWork], halo: u32) -> Vec<Block> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::filter::{Axis, Step};
     use orogeny_field::{FieldId, PageKey};
 
     #[test]
@@ -58,7 +68,10 @@ mod tests {
             })
             .collect();
         for halo in [0, 5, 300, 2400] {
-            let blocks = blocks(layout, &pages, halo);
+            let mut graph = Graph::new([1900, 20_000]);
+            let weights = vec![0.0; halo as usize].into();
+            graph.add(Step::Convolve { axis: Axis::X, stride: 1, weights }, &[Graph::HEIGHTS]);
+            let blocks = blocks(layout, &pages, &graph);
             let mut found: Vec<_> = blocks.iter().flat_map(|block| block.pages.clone()).collect();
             found.sort_by_key(|work| work.key);
             let mut expected = pages.clone();

@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use orogeny_field::{PhaseWeights, SampleRect, mirrored};
+use orogeny_field::{PhaseWeights, PipesKernel, SampleRect, ThermalKernel, mirrored};
 
 /// Along which axis a step works.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +53,46 @@ pub enum Step {
         /// And the rest, 0..1.
         fraction: [f32; 2],
     },
+    /// `field/thermal`: a half of an iteration of thermal erosion.
+    Thermal {
+        /// Which one.
+        phase: ThermalPhase,
+        /// The rock.
+        kernel: Arc<ThermalKernel>,
+    },
+    /// `field/pipes`: a part of an iteration of erosion by running water.
+    Pipes {
+        /// Which one.
+        phase: PipesPhase,
+        /// Rock and water.
+        kernel: Arc<PipesKernel>,
+    },
+}
+
+/// Halves of an iteration of thermal erosion; the numbers are the kernel's `phase`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum ThermalPhase {
+    /// From heights to the shares that slide, and with more than one layer of rock the drops that hold.
+    Shares = 0,
+    /// From heights and shares to heights.
+    Heights = 1,
+}
+
+/// Parts of erosion by running water; the numbers are the kernel's `phase`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum PipesPhase {
+    /// From heights to ground, water and sediment: dry and clean.
+    Begin = 0,
+    /// From these to the first flows.
+    FirstFlux = 1,
+    /// From these and the flows before to the flows.
+    Flux = 2,
+    /// From these and the flows to ground, water and sediment.
+    Ground = 3,
+    /// From these to heights: what is carried is laid down.
+    Settle = 4,
 }
 
 /// A plane of a graph.
@@ -104,6 +144,8 @@ impl Graph {
     /// terrain.
     #[must_use]
     pub fn plan(&self, target: SampleRect) -> Vec<SampleRect> {
+        let [width, depth] = self.extent;
+        let terrain = SampleRect::new(0, 0, width.cast_signed(), depth.cast_signed());
         let mut rects = vec![SampleRect::EMPTY; self.nodes.len()];
         if let Some(last) = rects.last_mut() {
             *last = target;
@@ -111,13 +153,13 @@ impl Graph {
         for (place, node) in self.nodes.iter().enumerate().rev() {
             let Some(rect) = rects.get(place).copied().filter(|rect| !rect.is_empty()) else { continue };
             let needed = node.step.source_rect(&rect);
+            let needed = if node.step.is_closed() { needed.intersection(&terrain) } else { needed };
             for input in &node.inputs {
                 if let Some(known) = rects.get_mut(*input) {
                     *known = known.bounds_with(&needed);
                 }
             }
         }
-        let [width, depth] = self.extent;
         for (node, rect) in self.nodes.iter().zip(&mut rects) {
             if node.step == Step::Heights && !rect.is_empty() {
                 let (x0, x1) = mirrored_range(rect.x0, rect.x1, width);
@@ -126,6 +168,12 @@ impl Graph {
             }
         }
         rects
+    }
+
+    /// Values a sample of the planes that take most.
+    #[must_use]
+    pub fn num_channels(&self) -> u32 {
+        self.nodes.iter().map(|node| node.step.num_channels()).max().unwrap_or(1)
     }
 
     /// How many samples beyond its result the heights are read, at most.
@@ -141,6 +189,23 @@ impl Graph {
 }
 
 impl Step {
+    /// Values a sample of what it makes.
+    #[must_use]
+    pub fn num_channels(&self) -> u32 {
+        match self {
+            Self::Thermal { phase: ThermalPhase::Shares, kernel } if kernel.num_layers > 1 => 2,
+            Self::Pipes { phase: PipesPhase::Begin | PipesPhase::Ground, .. } => 3,
+            Self::Pipes { phase: PipesPhase::FirstFlux | PipesPhase::Flux, .. } => 4,
+            _ => 1,
+        }
+    }
+
+    /// Whether there is nothing beyond the terrain's border, rather than the terrain mirrored.
+    #[must_use]
+    pub const fn is_closed(&self) -> bool {
+        matches!(self, Self::Thermal { .. } | Self::Pipes { .. })
+    }
+
     /// What its inputs must have for it to make a rectangle.
     fn source_rect(&self, rect: &SampleRect) -> SampleRect {
         let filtered = |first: i32, end: i32, stride: u32, weights: &[f32]| {
@@ -154,6 +219,8 @@ impl Step {
         let SampleRect { x0, z0, x1, z1 } = *rect;
         let ((x0, x1), (z0, z1)) = match self {
             Self::Heights | Self::Sharpen { .. } => ((x0, x1), (z0, z1)),
+            Self::Pipes { phase: PipesPhase::Begin | PipesPhase::Settle, .. } => ((x0, x1), (z0, z1)),
+            Self::Thermal { .. } | Self::Pipes { .. } => ((x0 - 1, x1 + 1), (z0 - 1, z1 + 1)),
             Self::Convolve { axis: Axis::X, stride, weights } => {
                 (filtered(x0, x1, *stride, weights), (z0, z1))
             }

@@ -4,6 +4,7 @@
 //! wash. The back ends work out graphs for the blocks of pages that a batch touches.
 
 mod blocks;
+mod erosion;
 mod gaussian;
 mod graph;
 pub mod kernels;
@@ -11,12 +12,12 @@ mod lattice;
 
 use std::sync::Arc;
 
-use orogeny_field::{Blending, Brush, BrushType, SmoothMethod, TerrainGrid};
+use orogeny_field::{Blending, Brush, BrushType, PipesKernel, SmoothMethod, TerrainGrid, ThermalKernel};
 
 use crate::Result;
 
 pub use blocks::{Block, blocks};
-pub use graph::{Axis, Graph, Node, Step};
+pub use graph::{Axis, Graph, Node, PipesPhase, Step, ThermalPhase};
 
 /// What a brush pulls the ground to, and from which state of the ground it is made.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +54,14 @@ impl Filter {
                 let gain = brush.smoothing.gain as f32;
                 graph.add(Step::Sharpen { gain }, &[Graph::HEIGHTS, smoothed]);
             }
+            BrushType::ErodeThermal => {
+                let kernel = ThermalKernel::new(brush.brush_type.name(), &brush.thermal, grid.spacing_m())?;
+                erosion::add_thermal(&mut graph, Graph::HEIGHTS, kernel, brush.thermal.iterations);
+            }
+            BrushType::ErodeFluvial => {
+                let kernel = PipesKernel::new(brush.brush_type.name(), &brush.pipes, grid.spacing_m())?;
+                erosion::add_pipes(&mut graph, Graph::HEIGHTS, kernel, brush.pipes.iterations);
+            }
             _ => return Ok(None),
         }
         Ok(Some(Self { graph: Arc::new(graph), is_sequential: is_sequential(brush) }))
@@ -76,6 +85,11 @@ const DEFAULT_WIDTH_SHARE: f64 = 8.0;
 
 /// The narrowest Gaussian, in samples: narrower ones change nothing.
 const MIN_SIGMA: f64 = 0.25;
+
+/// Whether a brush waits for the stroke's end: what it makes of the ground takes long, and is made once.
+pub(crate) const fn waits_for_end(brush_type: BrushType) -> bool {
+    matches!(brush_type, BrushType::ErodeThermal | BrushType::ErodeFluvial)
+}
 
 /// Whether a brush's instances each work on what those before them left all around them.
 pub(crate) fn is_sequential(brush: &Brush) -> bool {

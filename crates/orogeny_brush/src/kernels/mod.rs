@@ -153,7 +153,11 @@ impl Stage {
             BrushType::Ramp => Self::Ramp,
             BrushType::Roughen => Self::Roughen,
             BrushType::Noise => Self::Noise,
-            BrushType::Smooth | BrushType::Sharpen | BrushType::Smear => Self::Blend,
+            BrushType::Smooth
+            | BrushType::Sharpen
+            | BrushType::Smear
+            | BrushType::ErodeThermal
+            | BrushType::ErodeFluvial => Self::Blend,
             BrushType::Terrace => Self::Terrace,
             BrushType::RangeMap => Self::RangeMap,
             BrushType::Stamp => Self::Stamp,

@@ -127,7 +127,15 @@ impl StrokePlanner {
             return Ok(Some(batch));
         }
         let is_sequential = crate::filter::is_sequential(&self.plan.brush);
-        let max_instances = if is_sequential { 1 } else { max_instances };
+        let waits = crate::filter::waits_for_end(self.plan.brush.brush_type);
+        if waits && !self.sampler.is_finished() {
+            return Ok(None);
+        }
+        let max_instances = match (is_sequential, waits) {
+            (true, _) => 1,
+            (_, true) => usize::MAX,
+            _ => max_instances,
+        };
         let mut drags = Vec::new();
         let mut instances = Vec::new();
         let mut bounds = Vec::new();

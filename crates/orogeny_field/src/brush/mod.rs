@@ -19,6 +19,7 @@ pub use settings::{
 };
 
 use crate::noise::Noise;
+use crate::{Pipes, Thermal};
 
 /// What a brush does to the heights under it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -46,6 +47,10 @@ pub enum BrushType {
     Sharpen,
     /// Drags the ground along.
     Smear,
+    /// Lets slide what is too steep.
+    ErodeThermal,
+    /// Lets water run.
+    ErodeFluvial,
     /// Pulls towards steps of equal height.
     Terrace,
     /// Spreads the heights of a range anew over it.
@@ -62,7 +67,7 @@ pub enum BrushType {
 
 impl BrushType {
     /// All of them, in the order in which they are listed.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::Raise,
         Self::Lower,
         Self::Ledge,
@@ -74,6 +79,8 @@ impl BrushType {
         Self::Smooth,
         Self::Sharpen,
         Self::Smear,
+        Self::ErodeThermal,
+        Self::ErodeFluvial,
         Self::Terrace,
         Self::RangeMap,
         Self::Stamp,
@@ -97,6 +104,8 @@ impl BrushType {
             Self::Smooth => "smooth",
             Self::Sharpen => "sharpen",
             Self::Smear => "smear",
+            Self::ErodeThermal => "erode_thermal",
+            Self::ErodeFluvial => "erode_fluvial",
             Self::Terrace => "terrace",
             Self::RangeMap => "range_map",
             Self::Stamp => "stamp",
@@ -121,6 +130,8 @@ impl BrushType {
             Self::Smooth => "smooths what is narrower than `width`",
             Self::Sharpen => "makes what is narrower than `width` stand out",
             Self::Smear => "drags the ground along, as a finger does wet paint",
+            Self::ErodeThermal => "lets ground that is too steep slide down, as scree does",
+            Self::ErodeFluvial => "lets rain run off: gullies are cut, and what they lose is laid down below",
             Self::Terrace => "cuts the ground into steps of equal height",
             Self::RangeMap => "spreads the heights between `low` and `high` anew: bias, gain or a curve",
             Self::Stamp => "presses a height image into the ground",
@@ -141,6 +152,8 @@ impl BrushType {
             | Self::Smooth
             | Self::Sharpen
             | Self::Smear
+            | Self::ErodeThermal
+            | Self::ErodeFluvial
             | Self::Terrace
             | Self::RangeMap
             | Self::Stamp
@@ -264,6 +277,10 @@ pub struct Brush {
     pub noise: Noise,
     /// Of `smooth` and `sharpen`.
     pub smoothing: Smoothing,
+    /// Of `erode_thermal`.
+    pub thermal: Thermal,
+    /// Of `erode_fluvial`.
+    pub pipes: Pipes,
     /// Of `terrace`.
     pub terrace: Terrace,
     /// Of `range_map`.

@@ -12,3 +12,5 @@ pub mod pipes;
 pub mod sharpen;
 pub mod shift;
 pub mod thermal;
+
+pub use padded::Channel;

@@ -3,6 +3,10 @@
 
 use orogeny_field::{Plane, SampleRect};
 
+/// A channel of a plane.
+#[derive(Debug, Clone, Copy)]
+pub struct Channel<'a>(pub &'a Plane, pub u32);
+
 /// Samples of a part.
 pub(super) const LANES: usize = 64;
 
@@ -34,8 +38,7 @@ impl Place<'_> {
     /// in the buffer.
     pub(super) fn row<'a>(
         &self,
-        plane: &'a Plane,
-        channel: u32,
+        Channel(plane, channel): Channel<'a>,
         dz: i32,
         beyond: Beyond,
         buffer: &'a mut Padded,
@@ -124,8 +127,8 @@ mod tests {
             for dz in -1..=1 {
                 let mut buffers = [[f32::NAN; LANES + 2]; 2];
                 let [a, b] = &mut buffers;
-                let walled = place.row(&plane, 0, dz, Beyond::Value(-7.5), a);
-                let nearest = place.row(&plane, 0, dz, Beyond::Nearest, b);
+                let walled = place.row(Channel(&plane, 0), dz, Beyond::Value(-7.5), a);
+                let nearest = place.row(Channel(&plane, 0), dz, Beyond::Nearest, b);
                 for (column, (walled, nearest)) in (x - 1..).zip(walled.iter().zip(nearest)) {
                     let of = |x: i32, z: i32| (1000 * z + x) as f32;
                     let expected = if is_inside(column, z + dz) { of(column, z + dz) } else { -7.5 };

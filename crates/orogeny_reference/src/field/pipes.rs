@@ -31,10 +31,17 @@
 use multiversion::multiversion;
 use orogeny_field::{PipesKernel, Plane, SampleRect, sanitized_height};
 
-use super::padded::{Beyond, LANES, Padded, Place, at, larger, positive, smaller};
+use super::padded::{Beyond, Channel, LANES, Padded, Place, at, larger, positive, smaller};
 
 /// How many samples around its own an iteration reads.
 pub const HALO: i32 = 2;
+
+/// Channels of a plane of ground, water and sediment.
+pub const TERRAIN: u32 = 0;
+/// Depth of the water.
+pub const WATER: u32 = 1;
+/// What the water carries.
+pub const SEDIMENT: u32 = 2;
 
 /// Channels of the plane of flows, by the neighbour that they lead to.
 pub const WEST: u32 = 0;
@@ -58,11 +65,11 @@ const KEPT: f32 = 1.0 - 1.0 / 1_048_576.0;
 #[derive(Debug, Clone, Copy)]
 pub struct State<'a> {
     /// Height of the ground, in metres.
-    pub terrain: &'a Plane,
+    pub terrain: Channel<'a>,
     /// Depth of the water, in metres.
-    pub water: &'a Plane,
+    pub water: Channel<'a>,
     /// What the water carries, in metres of rock.
-    pub sediment: &'a Plane,
+    pub sediment: Channel<'a>,
 }
 
 /// One row of what an iteration makes.
@@ -83,8 +90,8 @@ pub fn flux_row(
     [west, east, north, south]: [&mut [f32]; 4],
     first_x: i32,
     z: i32,
-    terrain: &Plane,
-    water: &Plane,
+    terrain: Channel,
+    water: Channel,
     bounds: &SampleRect,
     kernel: &PipesKernel,
 ) {
@@ -97,7 +104,7 @@ pub fn flux_row(
         let place = Place { x: first_x.wrapping_add((index * LANES) as i32), z, bounds };
         let mut buffers = [[0.0; LANES + 2]; 6];
         let [b0, b1, b2, b3, b4, b5] = &mut buffers;
-        let row = |plane, dz, value, buffer| place.row(plane, 0, dz, Beyond::Value(value), buffer);
+        let row = |channel, dz, value, buffer| place.row(channel, dz, Beyond::Value(value), buffer);
         let ground = [row(terrain, -1, WALL_M, b0), row(terrain, 0, WALL_M, b1), row(terrain, 1, WALL_M, b2)];
         let water = [row(water, -1, 0.0, b3), row(water, 0, 0.0, b4), row(water, 1, 0.0, b5)];
         let mut flows = [[0.0; LANES]; 4];
@@ -170,30 +177,26 @@ pub fn ground_row(
         let place = Place { x: first_x.wrapping_add((index * LANES) as i32), z, bounds };
         let mut buffers = [[0.0; LANES + 2]; 16];
         let [t0, t1, t2, w0, w1, w2, s0, s1, s2, f0, f1, f2, f3, f4, f5, h0] = &mut buffers;
-        let nearest = |plane, dz, buffer| place.row(plane, 0, dz, Beyond::Nearest, buffer);
-        let none = |plane, channel, dz, buffer| place.row(plane, channel, dz, Beyond::Value(0.0), buffer);
+        let nearest = |channel, dz, buffer| place.row(channel, dz, Beyond::Nearest, buffer);
+        let none = |channel, dz, buffer| place.row(channel, dz, Beyond::Value(0.0), buffer);
+        let flows = |direction, dz, buffer| none(Channel(flux, direction), dz, buffer);
         let around = Around {
             terrain: [
                 nearest(state.terrain, -1, t0),
                 nearest(state.terrain, 0, t1),
                 nearest(state.terrain, 1, t2),
             ],
-            water: [none(state.water, 0, -1, w0), none(state.water, 0, 0, w1), none(state.water, 0, 1, w2)],
+            water: [none(state.water, -1, w0), none(state.water, 0, w1), none(state.water, 1, w2)],
             sediment: [
-                none(state.sediment, 0, -1, s0),
-                none(state.sediment, 0, 0, s1),
-                none(state.sediment, 0, 1, s2),
+                none(state.sediment, -1, s0),
+                none(state.sediment, 0, s1),
+                none(state.sediment, 1, s2),
             ],
-            out: [
-                none(flux, WEST, 0, f0),
-                none(flux, EAST, 0, f1),
-                none(flux, NORTH, 0, f2),
-                none(flux, SOUTH, 0, f3),
-            ],
-            from_north: none(flux, SOUTH, -1, f4),
-            from_south: none(flux, NORTH, 1, f5),
+            out: [flows(WEST, 0, f0), flows(EAST, 0, f1), flows(NORTH, 0, f2), flows(SOUTH, 0, f3)],
+            from_north: flows(SOUTH, -1, f4),
+            from_south: flows(NORTH, 1, f5),
         };
-        let soft = hardness.map(|plane| none(plane, 0, 0, h0));
+        let soft = hardness.map(|plane| none(Channel(plane, 0), 0, h0));
         let mut new = [[0.0; LANES]; 3];
         match soft {
             Some(hardness) => around.step(&mut new, |lane| 1.0 - at(hardness, lane + 1), kernel),

@@ -18,10 +18,15 @@
 use multiversion::multiversion;
 use orogeny_field::{Plane, SampleRect, ThermalKernel, ThermalLayer, sanitized_height};
 
-use super::padded::{Beyond, LANES, Padded, Place, at, larger, positive};
+use super::padded::{Beyond, Channel, LANES, Padded, Place, at, larger, positive};
 
 /// How many samples around its own an iteration reads.
 pub const HALO: i32 = 2;
+
+/// Channels of the plane of shares: themselves, and with more than one layer of rock the drops that hold, in metres.
+pub const SHARES: u32 = 0;
+/// See [`SHARES`].
+pub const TALUSES: u32 = 1;
 
 /// What stands where there is no neighbour: nothing slides up it, and, having no share, nothing slides down.
 const WALL_M: f32 = 1.0e30;
@@ -56,7 +61,7 @@ pub fn shares_row(
         let place = Place { x: first_x.wrapping_add((index * LANES) as i32), z, bounds };
         let mut buffers = [[0.0; LANES + 2]; 4];
         let [b0, b1, b2, b3] = &mut buffers;
-        let row = |dz, buffer| place.row(heights, 0, dz, Beyond::Value(WALL_M), buffer);
+        let row = |dz, buffer| place.row(Channel(heights, 0), dz, Beyond::Value(WALL_M), buffer);
         let rows = [row(-1, b0), row(0, b1), row(1, b2)];
         let mut new = [0.0; LANES];
         if above.is_empty() {
@@ -70,7 +75,7 @@ pub fn shares_row(
             }
         }
         if let Some(hardness) = hardness {
-            let hardness = place.row(hardness, 0, 0, Beyond::Value(0.0), b3);
+            let hardness = place.row(Channel(hardness, 0), 0, Beyond::Value(0.0), b3);
             for (lane, share) in new.iter_mut().enumerate() {
                 *share *= 1.0 - at(hardness, lane + 1);
             }
@@ -125,8 +130,8 @@ fn share(
     }
 }
 
-/// The new heights of the samples `first_x ..` of row `z`, from the heights and shares (and, with more than one layer of rock,
-/// the drops that hold) of rectangles that hold the row and one sample around, or end at `bounds`.
+/// The new heights of the samples `first_x ..` of row `z`, from the heights and the shares (and, with more than one layer of
+/// rock, the drops that hold, in a channel of their own) of rectangles that hold the row and one sample around, or end at `bounds`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
 #[allow(clippy::too_many_arguments, reason = "a row, where it lies, and what it is made of")]
 pub fn heights_row(
@@ -135,7 +140,6 @@ pub fn heights_row(
     z: i32,
     heights: &Plane,
     shares: &Plane,
-    taluses: Option<&Plane>,
     bounds: &SampleRect,
     kernel: &ThermalKernel,
 ) {
@@ -145,16 +149,14 @@ pub fn heights_row(
         let place = Place { x: first_x.wrapping_add((index * LANES) as i32), z, bounds };
         let mut buffers = [[0.0; LANES + 2]; 9];
         let [b0, b1, b2, b3, b4, b5, b6, b7, b8] = &mut buffers;
-        let of = |plane, value, buffers: [_; 3]| {
+        let of = |channel, value, buffers: [_; 3]| {
             let [b0, b1, b2] = buffers;
-            let row = |dz, buffer| place.row(plane, 0, dz, Beyond::Value(value), buffer);
+            let row = |dz, buffer| place.row(channel, dz, Beyond::Value(value), buffer);
             [row(-1, b0), row(0, b1), row(1, b2)]
         };
-        let heights = of(heights, WALL_M, [b0, b1, b2]);
-        let shares = of(shares, 0.0, [b3, b4, b5]);
-        let new = if kernel.num_layers > 1
-            && let Some(taluses) = taluses
-        {
+        let heights = of(Channel(heights, 0), WALL_M, [b0, b1, b2]);
+        let (taluses, shares) = (Channel(shares, TALUSES), of(Channel(shares, SHARES), 0.0, [b3, b4, b5]));
+        let new = if kernel.num_layers > 1 {
             let [north, centre, south] = of(taluses, 0.0, [b6, b7, b8]);
             settled(heights, shares, [north, centre, south])
         } else {

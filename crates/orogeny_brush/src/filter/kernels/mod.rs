@@ -2,8 +2,10 @@
 
 pub mod convolve;
 pub mod interpolate;
+pub mod pipes;
 pub mod sharpen;
 pub mod shift;
+pub mod thermal;
 
 use super::{Axis, Step};
 use crate::kernels::OwnData;
@@ -20,8 +22,12 @@ pub struct StepUniform {
     pub second: PlaneUniform,
     /// Samples of the result along x and z.
     pub size: [u32; 2],
-    /// Samples of the terrain where the first plane is mirrored at its border, else 0.
-    pub mirrored_in: [u32; 2],
+    /// Samples of the terrain along x and z.
+    pub extent: [u32; 2],
+    /// Whether the first plane is mirrored at the terrain's border.
+    pub is_mirrored: u32,
+    /// Which part of an iteration it is, of a simulation.
+    pub phase: u32,
 }
 
 /// Where a plane lies. The layout is that of `Plane` in `shaders/driver/plane.wgsl`.
@@ -30,10 +36,10 @@ pub struct StepUniform {
 pub struct PlaneUniform {
     /// Its first sample, on its grid.
     pub origin: [i32; 2],
-    /// Samples from row to row.
+    /// Values from row to row.
     pub stride: u32,
-    /// Nothing.
-    pub padding: u32,
+    /// Values from channel to channel.
+    pub channel_stride: u32,
 }
 
 impl Step {
@@ -46,6 +52,17 @@ impl Step {
             Self::Interpolate { .. } => Some(interpolate::STEM),
             Self::Sharpen { .. } => Some(sharpen::STEM),
             Self::Shift { .. } => Some(shift::STEM),
+            Self::Thermal { .. } => Some(thermal::STEM),
+            Self::Pipes { .. } => Some(pipes::STEM),
+        }
+    }
+
+    /// Which part of an iteration it is, of a simulation; else 0.
+    pub(crate) const fn phase(&self) -> u32 {
+        match self {
+            Self::Thermal { phase, .. } => *phase as u32,
+            Self::Pipes { phase, .. } => *phase as u32,
+            _ => 0,
         }
     }
 
@@ -57,6 +74,8 @@ impl Step {
             Self::Interpolate { axis, phases } => interpolate::data(*axis, phases),
             Self::Sharpen { gain } => sharpen::data(*gain),
             Self::Shift { cell, fraction } => shift::data(*cell, *fraction),
+            Self::Thermal { kernel, .. } => thermal::data(kernel),
+            Self::Pipes { kernel, .. } => OwnData::uniform(&**kernel),
         }
     }
 }

@@ -68,6 +68,25 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     .of_brushes(SMOOTHING),
     parameter("gain", number(0.0, 16.0, 1.0), "how far the ground is moved, by its distance from what is smoothed")
         .of_brushes(&[BrushType::Sharpen]),
+    parameter("iterations", ParameterKind::Integer { min: 1, max: 1000, default: 50 }, "how long it slides; each takes it a sample further")
+        .of_brushes(THERMAL),
+    parameter("talus_angle", number(0.0, 89.0, 35.0), "the steepest slope that holds").in_unit("°").of_brushes(THERMAL),
+    parameter("rate", number(0.0, 0.25, 0.25), "how much of what is too steep slides in two iterations").of_brushes(THERMAL),
+    parameter("iterations", ParameterKind::Integer { min: 1, max: 600, default: 150 }, "how long it rains")
+        .of_brushes(FLUVIAL),
+    parameter("rain", number(0.0, 1.0, 0.01), "rain everywhere").in_unit("m/s").of_brushes(FLUVIAL),
+    parameter("evaporation", number(0.0, 10.0, 0.02), "share of the water that evaporates").in_unit("1/s").of_brushes(FLUVIAL),
+    parameter("capacity", number(0.0, 10.0, 0.5), "how much rock water holds, by its velocity and the slope")
+        .in_unit("s/m")
+        .of_brushes(FLUVIAL),
+    parameter("dissolving", number(0.0, 100.0, 0.1), "share of what water could still hold that it takes up")
+        .in_unit("1/s")
+        .of_brushes(FLUVIAL),
+    parameter("deposition", number(0.0, 100.0, 0.1), "share of what water holds too much that it lays down")
+        .in_unit("1/s")
+        .of_brushes(FLUVIAL),
+    parameter("min_slope", number(0.0, 45.0, 3.0), "level ground counts as so steep").in_unit("°").of_brushes(FLUVIAL),
+    parameter("friction", number(0.0, 100.0, 0.5), "share of the flow that is lost").in_unit("1/s").of_brushes(FLUVIAL),
     parameter("step", number(1.0e-3, MAX_HEIGHT, 10.0), "height of a step").in_unit("m").of_brushes(TERRACE),
     parameter("sharpness", number(0.0, 1.0, 0.7), "0 leaves the ground as it is, 1 makes walls").of_brushes(TERRACE),
     parameter("tilt", number(0.0, 60.0, 0.0), "tilt of the steps against the horizontal").in_unit("°").of_brushes(TERRACE),
@@ -112,6 +131,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[
 ];
 
 const SMOOTHING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen];
+const THERMAL: &[BrushType] = &[BrushType::ErodeThermal];
+const FLUVIAL: &[BrushType] = &[BrushType::ErodeFluvial];
 const TERRACE: &[BrushType] = &[BrushType::Terrace];
 const RANGE_MAP: &[BrushType] = &[BrushType::RangeMap];
 const CUSTOM: &[BrushType] = &[BrushType::Custom];

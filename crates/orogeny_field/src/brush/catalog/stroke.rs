@@ -28,6 +28,7 @@ const WASHING: &[BrushType] = &[
     BrushType::EraseMask,
 ];
 
+const ERODING: &[BrushType] = &[BrushType::ErodeThermal, BrushType::ErodeFluvial];
 /// Those that look at neighbours: half of the strength is plenty for one pass.
 const FILTERING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen, BrushType::Smear];
 const SMOOTHING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen];
@@ -82,6 +83,12 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     )
     .of_brushes(FILTERING),
     parameter(
+        "strength",
+        number(0.0, 1.0, 1.0),
+        "share of what erosion changes that one straight pass makes of the ground",
+    )
+    .of_brushes(ERODING),
+    parameter(
         "flow",
         number(0.0, 1.0, 1.0),
         "share of the strength that one pass gives; a wash with less than 1 comes nearer to its strength with every pass",
@@ -103,6 +110,12 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         "`build_up`: each instance works on what those before it left; `wash`: one weight for the whole stroke, on the ground before it",
     )
     .of_brushes(SMOOTHING),
+    parameter(
+        "blending",
+        ParameterKind::Choice { words: &["build_up", "wash"] },
+        "`build_up`: going over a place again comes nearer to what erosion makes of the ground before the stroke; `wash`: one weight for the whole stroke",
+    )
+    .of_brushes(ERODING),
     parameter(
         "airbrush",
         ParameterKind::Flag { default: false },

@@ -13,7 +13,7 @@ use super::{
     StampMode, Symmetry, SymmetryKind, Terrace,
 };
 use crate::noise::Noise;
-use crate::{Error, Result};
+use crate::{Error, Pipes, Result, RockLayer, Thermal};
 use fields::Fields;
 
 impl Brush {
@@ -41,6 +41,8 @@ impl Brush {
             gate: None,
             noise: Noise::default(),
             smoothing: Smoothing::default(),
+            thermal: Thermal::default(),
+            pipes: Pipes::default(),
             terrace: Terrace::default(),
             range_map: RangeMap::default(),
             end_height_m: None,
@@ -93,6 +95,8 @@ impl Brush {
             gate: fields.object("gate")?.map(|fields| gate::read(&fields)).transpose()?.map(Box::new),
             noise: if brush_type == BrushType::Noise { noise::read(&fields)? } else { Noise::default() },
             smoothing: smoothing(&fields)?,
+            thermal: thermal(&fields)?,
+            pipes: pipes(&fields)?,
             terrace: terrace(&fields)?,
             range_map: range_map(&fields)?,
             end_height_m: height("end_height")?,
@@ -131,7 +135,9 @@ impl Brush {
 /// How the instances of a brush meet that does not say.
 const fn default_blending(brush_type: BrushType) -> Blending {
     match brush_type {
-        BrushType::Smooth | BrushType::Sharpen => Blending::BuildUp,
+        BrushType::Smooth | BrushType::Sharpen | BrushType::ErodeThermal | BrushType::ErodeFluvial => {
+            Blending::BuildUp
+        }
         BrushType::Smear => Blending::Each,
         _ => Blending::Wash,
     }
@@ -253,6 +259,32 @@ fn smoothing(fields: &Fields<'_>) -> Result<Smoothing> {
         } else {
             Smoothing::default().gain
         },
+    })
+}
+
+fn thermal(fields: &Fields<'_>) -> Result<Thermal> {
+    if fields.brush_type() != BrushType::ErodeThermal {
+        return Ok(Thermal::default());
+    }
+    let (talus_angle_deg, rate) = (fields.number("talus_angle")?, fields.number("rate")?);
+    let layers = vec![RockLayer { from_m: 0.0, talus_angle_deg, rate }];
+    Ok(Thermal { layers, iterations: fields.integer("iterations")? })
+}
+
+fn pipes(fields: &Fields<'_>) -> Result<Pipes> {
+    if fields.brush_type() != BrushType::ErodeFluvial {
+        return Ok(Pipes::default());
+    }
+    Ok(Pipes {
+        rain_m_per_s: fields.number("rain")?,
+        evaporation_per_s: fields.number("evaporation")?,
+        capacity_s_per_m: fields.number("capacity")?,
+        dissolving_per_s: fields.number("dissolving")?,
+        deposition_per_s: fields.number("deposition")?,
+        min_slope_deg: fields.number("min_slope")?,
+        friction_per_s: fields.number("friction")?,
+        iterations: fields.integer("iterations")?,
+        ..Pipes::default()
     })
 }
 
@@ -404,6 +436,9 @@ mod tests {
         r#"{"type": "smooth", "method": "lattice", "width": 12.5, "blending": "wash"}"#,
         r#"{"type": "sharpen", "width": 3, "gain": 2.5}"#,
         r#"{"type": "smear", "strength": 0.75}"#,
+        r#"{"type": "erode_thermal", "iterations": 7, "talus_angle": 22, "rate": 0.125, "blending": "wash"}"#,
+        r#"{"type": "erode_fluvial", "iterations": 9, "rain": 0.5, "evaporation": 0.125, "capacity": 2, "dissolving": 3,
+            "deposition": 4, "min_slope": 5, "friction": 6}"#,
         r#"{"type": "paint_mask", "value": 0.25}"#,
         r#"{"type": "custom", "file": "a.wgsl", "parameters": {"step": 3.5, "ragged": 0}, "blending": "wash"}"#,
         r#"{"type": "noise", "normalize": false}"#,

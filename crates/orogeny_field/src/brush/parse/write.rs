@@ -71,6 +71,25 @@ impl Brush {
         if self.brush_type == BrushType::Sharpen {
             put("gain", self.smoothing.gain.into());
         }
+        match self.brush_type {
+            BrushType::ErodeThermal => {
+                let rock = self.thermal.layers.first();
+                put("iterations", self.thermal.iterations.into());
+                put("talus_angle", rock.map_or(0.0, |rock| rock.talus_angle_deg).into());
+                put("rate", rock.map_or(0.0, |rock| rock.rate).into());
+            }
+            BrushType::ErodeFluvial => {
+                put("iterations", self.pipes.iterations.into());
+                put("rain", self.pipes.rain_m_per_s.into());
+                put("evaporation", self.pipes.evaporation_per_s.into());
+                put("capacity", self.pipes.capacity_s_per_m.into());
+                put("dissolving", self.pipes.dissolving_per_s.into());
+                put("deposition", self.pipes.deposition_per_s.into());
+                put("min_slope", self.pipes.min_slope_deg.into());
+                put("friction", self.pipes.friction_per_s.into());
+            }
+            _ => {}
+        }
         put("step", self.terrace.step_m.into());
         put("sharpness", self.terrace.sharpness.into());
         put("tilt", self.terrace.tilt_deg.into());

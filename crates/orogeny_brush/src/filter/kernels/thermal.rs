@@ -1,0 +1,24 @@
+//! Thermal erosion.
+
+use orogeny_field::{ThermalKernel, ThermalLayer};
+
+use crate::kernels::OwnData;
+
+/// The shader's stem.
+pub const STEM: &str = "field/thermal";
+
+/// The layout is that of `Thermal` in `shaders/field/thermal.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct ThermalUniform {
+    /// Layers of rock.
+    pub num_layers: u32,
+}
+
+pub(super) fn data(kernel: &ThermalKernel) -> OwnData {
+    let layers: Vec<ThermalLayer> = kernel.layers().copied().collect();
+    let uniform = ThermalUniform { num_layers: kernel.num_layers };
+    let mut data = OwnData::uniform(&uniform);
+    data.storage = vec![bytemuck::cast_slice(&layers).to_vec()];
+    data
+}
