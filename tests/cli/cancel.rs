@@ -6,13 +6,17 @@ use std::process::{Command, Stdio};
 
 use crate::program::Folder;
 
+/// One fill that goes on for minutes unless it is stopped within.
+const EROSION: &str =
+    r#"{"operations": [{"op": "fill", "brush": {"type": "erode_fluvial", "iterations": 600}}]}"#;
+
 /// Fills that go on for minutes unless they are stopped.
 fn endless_recipe() -> String {
     let fill = r#"{"op": "fill", "brush": {"type": "raise", "strength": 1}}"#;
     format!(r#"{{"operations": [{}]}}"#, vec![fill; 2000].join(","))
 }
 
-fn interrupt_during_the_third_operation(signal: &str) {
+fn interrupt(recipe: &str, marker: &str, signal: &str) {
     let folder = Folder::new();
     folder.succeed("new t.orogeny --size 4096x4096 --spacing 1");
     folder.write(
@@ -20,17 +24,19 @@ fn interrupt_during_the_third_operation(signal: &str) {
         r#"{"operations": [{"op": "fill", "brush": {"type": "raise"}, "region": [9, 9, 999, 999]}]}"#,
     );
     folder.succeed("apply t.orogeny one.json");
-    folder.write("endless.json", endless_recipe());
+    folder.write("endless.json", recipe);
     let before = folder.state();
 
     let mut command = folder.command("apply t.orogeny endless.json -v --page-budget 8");
     let mut child = command.stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let mut stderr = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
-    while !line.contains("operation 3 of 2000") {
+    while !line.contains(marker) {
         line.clear();
         assert_ne!(stderr.read_line(&mut line).unwrap(), 0, "it ended before it could be stopped");
     }
+    // Into the middle of it.
+    std::thread::sleep(std::time::Duration::from_millis(200));
     let pid = child.id().to_string();
     assert!(Command::new("kill").args(["-s", signal, &pid]).status().unwrap().success());
     let mut rest = String::new();
@@ -43,10 +49,16 @@ fn interrupt_during_the_third_operation(signal: &str) {
 
 #[test]
 fn ctrl_c_leaves_the_terrain_as_before() {
-    interrupt_during_the_third_operation("INT");
+    interrupt(&endless_recipe(), "operation 3 of 2000", "INT");
 }
 
 #[test]
 fn a_request_to_terminate_does_too() {
-    interrupt_during_the_third_operation("TERM");
+    interrupt(&endless_recipe(), "operation 3 of 2000", "TERM");
+}
+
+/// Were it heard only once the simulation is over, this test would take many minutes.
+#[test]
+fn ctrl_c_is_heard_within_a_simulation() {
+    interrupt(EROSION, "operation 1 of 1", "INT");
 }

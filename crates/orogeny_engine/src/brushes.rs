@@ -88,6 +88,12 @@ pub fn brush_schema(brush_type: BrushType) -> Value {
     })
 }
 
+fn object_schema(parameters: &[Parameter]) -> Value {
+    let properties: Map<String, Value> =
+        parameters.iter().map(|parameter| (parameter.name.to_owned(), parameter_schema(parameter))).collect();
+    json!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
 fn parameter_schema(parameter: &Parameter) -> Value {
     let unit = if parameter.unit.is_empty() { String::new() } else { format!(" ({})", parameter.unit) };
     let mut schema = match parameter.kind {
@@ -128,13 +134,10 @@ fn parameter_schema(parameter: &Parameter) -> Value {
             },
         }),
         ParameterKind::Text => json!({ "type": "string" }),
-        ParameterKind::Object { parameters } => {
-            let properties: Map<String, Value> = parameters
-                .iter()
-                .map(|parameter| (parameter.name.to_owned(), parameter_schema(parameter)))
-                .collect();
-            json!({ "type": "object", "properties": properties, "additionalProperties": false })
+        ParameterKind::List { parameters, max } => {
+            json!({ "type": "array", "items": object_schema(parameters), "maxItems": max })
         }
+        ParameterKind::Object { parameters } => object_schema(parameters),
         ParameterKind::Values => json!({ "type": "object", "additionalProperties": { "type": "number" } }),
         ParameterKind::Normalization => json!({
             "anyOf": [

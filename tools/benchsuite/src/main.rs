@@ -7,6 +7,7 @@
 #![expect(clippy::print_stdout, reason = "printing figures is what this program is for")]
 
 mod codecs;
+mod erode;
 mod ground;
 mod limit;
 mod measure;
@@ -22,7 +23,7 @@ use anyhow::{Context as _, bail};
 use crate::report::Report;
 
 /// What can be measured.
-const WHAT: [&str; 6] = ["raise", "noise", "smooth", "codecs", "stores", "terrain"];
+const WHAT: [&str; 7] = ["raise", "noise", "smooth", "erode", "codecs", "stores", "terrain"];
 
 struct Arguments {
     what: Vec<String>,
@@ -38,6 +39,7 @@ fn main() -> anyhow::Result<()> {
             "raise" => raise::run(&mut report, arguments.repeat)?,
             "noise" => noise::run(&mut report, arguments.repeat)?,
             "smooth" => smooth::run(&mut report, arguments.repeat)?,
+            "erode" => erode::run(&mut report, arguments.repeat)?,
             "codecs" => codecs::run(&mut report, arguments.repeat)?,
             "stores" => stores::run(&mut report, arguments.repeat)?,
             "terrain" => terrain::run(&mut report, arguments.repeat)?,

@@ -74,7 +74,7 @@ fn write_parameter(f: &mut fmt::Formatter<'_>, parameter: &Parameter, depth: usi
     let indent = " ".repeat(4 + 2 * depth);
     let width = 14_usize.saturating_sub(2 * depth);
     writeln!(f, "{indent}{:<width$} {default:<9} {} ({values})", parameter.name, parameter.meaning)?;
-    if let ParameterKind::Object { parameters } = parameter.kind {
+    if let ParameterKind::Object { parameters } | ParameterKind::List { parameters, .. } = parameter.kind {
         // A gate's noise has the parameters of the brush `noise`.
         if parameter.name == "pattern" {
             return Ok(());
@@ -113,6 +113,10 @@ fn values_and_default(parameter: &Parameter) -> (String, String) {
             (format!("points [[x, y], …], x from {left} to {right}, y within {low} to {high}"), none())
         }
         ParameterKind::Text => ("a name".to_owned(), none()),
+        ParameterKind::List { parameters, max } => {
+            let names: Vec<_> = parameters.iter().map(|parameter| parameter.name).collect();
+            (format!("a list of at most {max} objects: {}", names.join(", ")), none())
+        }
         ParameterKind::Object { parameters } => {
             let names: Vec<_> = parameters.iter().map(|parameter| parameter.name).collect();
             let names = if parameter.name == "pattern" {

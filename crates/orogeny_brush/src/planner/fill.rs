@@ -13,8 +13,8 @@ use crate::plan::Batch;
 /// Plans a brush applied once at full weight to `region`, which is clipped to the terrain.
 ///
 /// # Errors
-/// [`Error::Field`] for a brush with a number that it cannot use, and with [`orogeny_field::Error::MissingField`] for one that
-/// needs a stroke: `ramp`, `stamp`, one with a bitmap, `level` and `ledge` without a height; [`Error::TooManyPages`] for a region beyond what one operation may change.
+/// [`crate::Error::Field`] for a brush with a number that it cannot use, and with [`orogeny_field::Error::MissingField`] for one that
+/// needs a stroke: `ramp`, `stamp`, one with a bitmap, `level` and `ledge` without a height; [`crate::Error::TooManyPages`] for a region beyond what one operation may change.
 pub fn plan_fill(
     brush: &Brush,
     seed: u32,

@@ -2,6 +2,7 @@
 
 use super::kind::{Parameter, ParameterKind, number, optional_number, parameter};
 use super::{MAX_HEIGHT, MAX_RADIUS_M};
+use crate::MAX_ROCK_LAYERS;
 use crate::brush::BrushType;
 
 pub(super) const PARAMETERS: &[Parameter] = &[
@@ -72,6 +73,12 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         .of_brushes(THERMAL),
     parameter("talus_angle", number(0.0, 89.0, 35.0), "the steepest slope that holds").in_unit("°").of_brushes(THERMAL),
     parameter("rate", number(0.0, 0.25, 0.25), "how much of what is too steep slides in two iterations").of_brushes(THERMAL),
+    parameter(
+        "layers",
+        ParameterKind::List { parameters: LAYER, max: MAX_ROCK_LAYERS - 1 },
+        "rock that is different from a height upward, the lowest first; what is below has the brush's `talus_angle` and `rate`",
+    )
+    .of_brushes(THERMAL),
     parameter("iterations", ParameterKind::Integer { min: 1, max: 600, default: 150 }, "how long it rains")
         .of_brushes(FLUVIAL),
     parameter("rain", number(0.0, 1.0, 0.01), "rain everywhere").in_unit("m/s").of_brushes(FLUVIAL),
@@ -131,6 +138,11 @@ pub(super) const PARAMETERS: &[Parameter] = &[
 ];
 
 const SMOOTHING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen];
+const LAYER: &[Parameter] = &[
+    parameter("from", number(-MAX_HEIGHT, MAX_HEIGHT, 0.0), "where it begins").in_unit("m"),
+    parameter("talus_angle", number(0.0, 89.0, 35.0), "the steepest slope of it that holds").in_unit("°"),
+    parameter("rate", number(0.0, 0.25, 0.25), "how much of what is too steep slides in two iterations"),
+];
 const THERMAL: &[BrushType] = &[BrushType::ErodeThermal];
 const FLUVIAL: &[BrushType] = &[BrushType::ErodeFluvial];
 const TERRACE: &[BrushType] = &[BrushType::Terrace];

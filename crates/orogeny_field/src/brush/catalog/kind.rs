@@ -56,6 +56,13 @@ pub enum ParameterKind {
         /// Them.
         parameters: &'static [Parameter],
     },
+    /// A list of objects with parameters of their own.
+    List {
+        /// Them.
+        parameters: &'static [Parameter],
+        /// How many at most.
+        max: usize,
+    },
     /// `true`, `false`, or `[offset, scale]`.
     Normalization,
     /// An object of numbers under any names.

@@ -85,6 +85,26 @@ impl<'a> Fields<'a> {
         Ok(Some(fields))
     }
 
+    /// The objects of a list, each with its table; their fields are known ones.
+    pub(super) fn list(&self, name: &'static str) -> Result<Vec<Self>> {
+        let Some(Parameter { kind: ParameterKind::List { parameters, max }, .. }) = self.find(name) else {
+            return Ok(Vec::new());
+        };
+        let Some(value) = self.object.get(name) else { return Ok(Vec::new()) };
+        let refused = || self.refused(name, value, format!("it must be a list of at most {max} objects"));
+        let list = value.as_array().filter(|list| list.len() <= *max).ok_or_else(refused)?;
+        let fields = |(place, value): (usize, &'a Value)| {
+            let fields = Self {
+                brush_type: self.brush_type,
+                path: format!("{}{name}[{place}].", self.path),
+                parameters: Some(parameters),
+                object: value.as_object().ok_or_else(refused)?,
+            };
+            fields.refuse_unknown().map(|()| fields)
+        };
+        list.iter().enumerate().map(fields).collect()
+    }
+
     /// A number with a default; 0 for a parameter that there is not.
     pub(super) fn number(&self, name: &'static str) -> Result<f64> {
         Ok(self.optional_number(name)?.unwrap_or_default())

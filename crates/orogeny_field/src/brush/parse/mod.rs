@@ -266,8 +266,21 @@ fn thermal(fields: &Fields<'_>) -> Result<Thermal> {
     if fields.brush_type() != BrushType::ErodeThermal {
         return Ok(Thermal::default());
     }
-    let (talus_angle_deg, rate) = (fields.number("talus_angle")?, fields.number("rate")?);
-    let layers = vec![RockLayer { from_m: 0.0, talus_angle_deg, rate }];
+    let rock = |fields: &Fields<'_>, from_m| -> Result<RockLayer> {
+        let (talus_angle_deg, rate) = (fields.number("talus_angle")?, fields.number("rate")?);
+        Ok(RockLayer { from_m, talus_angle_deg, rate })
+    };
+    let mut layers = vec![rock(fields, 0.0)?];
+    let mut lowest_m = f64::MIN;
+    for layer in fields.list("layers")? {
+        let from_m = layer.number("from")?;
+        if from_m < lowest_m {
+            let limit = format!("it must not be below the layer before it, {lowest_m} m");
+            return Err(layer.refused("from", from_m, limit));
+        }
+        lowest_m = from_m;
+        layers.push(rock(&layer, from_m)?);
+    }
     Ok(Thermal { layers, iterations: fields.integer("iterations")? })
 }
 
@@ -436,7 +449,8 @@ mod tests {
         r#"{"type": "smooth", "method": "lattice", "width": 12.5, "blending": "wash"}"#,
         r#"{"type": "sharpen", "width": 3, "gain": 2.5}"#,
         r#"{"type": "smear", "strength": 0.75}"#,
-        r#"{"type": "erode_thermal", "iterations": 7, "talus_angle": 22, "rate": 0.125, "blending": "wash"}"#,
+        r#"{"type": "erode_thermal", "iterations": 7, "talus_angle": 22, "rate": 0.125, "blending": "wash",
+            "layers": [{"from": 300, "talus_angle": 60, "rate": 0.0625}, {"from": 700, "talus_angle": 10}]}"#,
         r#"{"type": "erode_fluvial", "iterations": 9, "rain": 0.5, "evaporation": 0.125, "capacity": 2, "dissolving": 3,
             "deposition": 4, "min_slope": 5, "friction": 6}"#,
         r#"{"type": "paint_mask", "value": 0.25}"#,
@@ -498,6 +512,12 @@ mod tests {
             (r#"{"type": "range_map", "gain": 0.3}"#, "mapping"),
             (r#"{"type": "smooth", "gain": 1}"#, "gain"),
             (r#"{"type": "smooth", "width": 0}"#, "width"),
+            (r#"{"type": "erode_thermal", "layers": {}}"#, "layers"),
+            (r#"{"type": "erode_thermal", "layers": [3]}"#, "layers"),
+            (r#"{"type": "erode_thermal", "layers": [{"form": 3}]}"#, "layers[0].form"),
+            (r#"{"type": "erode_thermal", "layers": [{"from": 3}, {"from": 2}]}"#, "layers[1].from"),
+            (r#"{"type": "erode_thermal", "layers": [{"rate": 0.3}]}"#, "layers[0].rate"),
+            (r#"{"type": "erode_thermal", "layers": [{}, {}, {}, {}, {}, {}, {}, {}]}"#, "at most 7"),
             (r#"{"type": "smear", "blending": "wash"}"#, "blending"),
             (r#"{"type": "raise", "step": 3}"#, "step"),
             (r#"{"type": "raise", "airbrush": 1}"#, "airbrush"),

@@ -3,11 +3,11 @@
 use serde_json::{Map, Value, json};
 
 use super::{gate, noise};
-use crate::Curve;
 use crate::brush::{
     Alpha, Brush, BrushType, DataSource, Dynamics, Jitter, Parameter, ProfileShape, RangeMapping, Symmetry,
     SymmetryKind,
 };
+use crate::{Curve, RockLayer};
 
 /// The word that a value serialises to.
 pub(super) fn word(value: &impl serde::Serialize) -> Value {
@@ -77,6 +77,11 @@ impl Brush {
                 put("iterations", self.thermal.iterations.into());
                 put("talus_angle", rock.map_or(0.0, |rock| rock.talus_angle_deg).into());
                 put("rate", rock.map_or(0.0, |rock| rock.rate).into());
+                let layer = |rock: &RockLayer| json!({ "from": rock.from_m, "talus_angle": rock.talus_angle_deg, "rate": rock.rate });
+                let layers: Vec<_> = self.thermal.layers.iter().skip(1).map(layer).collect();
+                if !layers.is_empty() {
+                    put("layers", layers.into());
+                }
             }
             BrushType::ErodeFluvial => {
                 put("iterations", self.pipes.iterations.into());
