@@ -5,11 +5,10 @@
 //! sample and iteration.
 
 use anyhow::Result;
-use orogeny_brush::{Batch, Canvas, CpuExecutor, Executor as _, Resources, plan_fill};
 use orogeny_field::noise::Noise;
-use orogeny_field::{Brush, BrushType, FieldId, PageLayout, Pipes, TerrainGrid, Thermal};
-use orogeny_pages::MemoryPages;
+use orogeny_field::{Brush, BrushType, Pipes, Thermal};
 
+use crate::fill::Fill;
 use crate::limit::CopyLimit;
 use crate::measure::Times;
 use crate::report::{Figure, Report};
@@ -27,7 +26,7 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
         let mut copies = Times::default();
         let mut cases = vec![];
         for (name, brush) in brushes() {
-            cases.push((name, Fill::new(num_threads, &brush)?, Times::default()));
+            cases.push((name, Fill::new(num_threads, SIDE, 4.0, Some(&hills()), &brush)?, Times::default()));
         }
         for _ in 0..repeat {
             limit.copy(&mut copies, num_threads);
@@ -53,37 +52,7 @@ fn brushes() -> [(&'static str, Brush); 2] {
     ]
 }
 
-/// The brush as users have it: a fill over resident pages.
-struct Fill {
-    executor: CpuExecutor,
-    pages: MemoryPages,
-    pieces: Vec<Batch>,
-}
-
-impl Fill {
-    fn new(num_threads: usize, brush: &Brush) -> Result<Self> {
-        let layout = PageLayout::default();
-        let grid = TerrainGrid::new(SIDE, SIDE, 4.0)?;
-        let canvas = Canvas::heights(grid, layout, FieldId(0));
-        let executor = CpuExecutor::new(layout, 1 << 30, Some(num_threads))?;
-        let noise = Noise { feature_size_m: 900.0, ..Noise::default() };
-        let ground = Brush { noise, ..Brush::new(BrushType::Noise, 1.0, 300.0) };
-        let ground = plan_fill(&ground, 3, canvas, Resources::default(), grid.bounds())?;
-        let erosion = plan_fill(brush, 0, canvas, Resources::default(), grid.bounds())?;
-        let mut fill = Self { executor, pages: MemoryPages::new(layout, 0.0), pieces: Vec::new() };
-        fill.executor.run(&ground, &mut fill.pages)?;
-        fill.executor.finish(&mut fill.pages)?;
-        fill.pages.commit();
-        fill.pieces = erosion.split(layout, usize::MAX).collect();
-        Ok(fill)
-    }
-
-    /// Ends the operation too, outside of what is measured.
-    fn measure(&mut self, times: &mut Times) -> Result<()> {
-        times
-            .measure(|| self.pieces.iter().try_for_each(|piece| self.executor.run(piece, &mut self.pages)))?;
-        self.executor.finish(&mut self.pages)?;
-        self.pages.commit();
-        Ok(())
-    }
+fn hills() -> Brush {
+    let noise = Noise { feature_size_m: 900.0, ..Noise::default() };
+    Brush { noise, ..Brush::new(BrushType::Noise, 1.0, 300.0) }
 }

@@ -8,6 +8,7 @@
 
 mod codecs;
 mod erode;
+mod fill;
 mod ground;
 mod limit;
 mod measure;

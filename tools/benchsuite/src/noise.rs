@@ -5,14 +5,13 @@
 
 use anyhow::Result;
 use fastnoise_lite::{FastNoiseLite, FractalType, NoiseType};
-use orogeny_brush::{Batch, Canvas, CpuExecutor, Executor as _, Resources, plan_fill};
 use orogeny_field::noise::{Basis, LATTICE_BLOCK, Noise, NoiseFrame, NoiseKernel, Normalization, Turbulence};
-use orogeny_field::{Brush, BrushType, FieldId, PageLayout, TerrainGrid};
-use orogeny_pages::MemoryPages;
+use orogeny_field::{Brush, BrushType};
 use orogeny_reference::noise::row::{self, LatticeBlock};
 use rayon::prelude::*;
 use simdnoise::NoiseBuilder;
 
+use crate::fill::Fill;
 use crate::measure::Times;
 use crate::report::{Figure, Report, Unit};
 
@@ -37,7 +36,9 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
 fn on_threads(report: &mut Report, repeat: usize, num_threads: usize) -> Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(num_threads).build()?;
     let mut values = vec![0.0_f32; SIDE * SIDE];
-    let mut fill = Fill::new(num_threads)?;
+    let brush =
+        Brush { noise: noise(Basis::Gradient, Turbulence::Fbm), ..Brush::new(BrushType::Noise, 1.0, 100.0) };
+    let mut fill = Fill::new(num_threads, SIDE as u64, 1.0, None, &brush)?;
     let (mut lite, mut simd, mut filled) = (Times::default(), Times::default(), Times::default());
     let mut own: Vec<(Noise, Times)> = noises().into_iter().map(|noise| (noise, Times::default())).collect();
     for _ in 0..repeat {
@@ -131,31 +132,4 @@ fn with_own(values: &mut [f32], kernel: &NoiseKernel) {
             }
         }
     });
-}
-
-/// The brush as users have it: a fill over resident pages.
-struct Fill {
-    executor: CpuExecutor,
-    pages: MemoryPages,
-    batch: Batch,
-}
-
-impl Fill {
-    fn new(num_threads: usize) -> Result<Self> {
-        let layout = PageLayout::default();
-        let grid = TerrainGrid::new(SIDE as u64, SIDE as u64, 1.0)?;
-        let noise = noise(Basis::Gradient, Turbulence::Fbm);
-        let brush = Brush { noise, ..Brush::new(BrushType::Noise, 1.0, 100.0) };
-        let canvas = Canvas::heights(grid, layout, FieldId(0));
-        let batch = plan_fill(&brush, 0, canvas, Resources::default(), grid.bounds())?;
-        let executor = CpuExecutor::new(layout, 1 << 30, Some(num_threads))?;
-        Ok(Self { executor, pages: MemoryPages::new(layout, 0.0), batch })
-    }
-
-    /// Ends the operation too, outside of what is measured: the next one works its noise out anew.
-    fn measure(&mut self, times: &mut Times) -> Result<()> {
-        times.measure(|| self.executor.run(&self.batch, &mut self.pages))?;
-        self.executor.finish(&mut self.pages)?;
-        Ok(())
-    }
 }

@@ -7,10 +7,9 @@
 use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
-use orogeny_brush::{Batch, Canvas, CpuExecutor, Executor as _, Resources, plan_fill};
-use orogeny_field::{Brush, BrushType, FieldId, PageLayout, Smoothing, TerrainGrid};
-use orogeny_pages::MemoryPages;
+use orogeny_field::{Brush, BrushType, Smoothing};
 
+use crate::fill::Fill;
 use crate::measure::Times;
 use crate::report::{Figure, Report, Unit};
 
@@ -29,9 +28,12 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
     if opencv.is_none() {
         report.note("OpenCV not measured: OROGENY_BENCH_PYTHON is not set".to_owned());
     }
+    let rough = Brush::new(BrushType::Roughen, 1.0, 100.0);
     for num_threads in thread_counts {
         for sigma in SIGMAS {
-            let mut fill = Fill::new(num_threads, sigma)?;
+            let smoothing = Smoothing { width_m: Some(sigma), ..Smoothing::default() };
+            let brush = Brush { smoothing, ..Brush::new(BrushType::Smooth, 1.0, 1.0) };
+            let mut fill = Fill::new(num_threads, SIDE, 1.0, Some(&rough), &brush)?;
             let (mut own, mut gaussian, mut stack) = (Times::default(), Times::default(), Times::default());
             for _ in 0..repeat {
                 fill.measure(&mut own)?;
@@ -80,40 +82,4 @@ for work in (lambda: cv2.GaussianBlur(field, window, sigma, dst=target), lambda:
     let mut seconds = text.lines().map(str::parse::<f64>);
     let mut next = || seconds.next().context("OpenCV printed no time")?.context("OpenCV printed no time");
     Ok([next()?, next()?])
-}
-
-/// The brush as users have it: a fill over resident pages.
-struct Fill {
-    executor: CpuExecutor,
-    pages: MemoryPages,
-    pieces: Vec<Batch>,
-}
-
-impl Fill {
-    fn new(num_threads: usize, sigma: f64) -> Result<Self> {
-        let layout = PageLayout::default();
-        let grid = TerrainGrid::new(SIDE, SIDE, 1.0)?;
-        let smoothing = Smoothing { width_m: Some(sigma), ..Smoothing::default() };
-        let brush = Brush { smoothing, ..Brush::new(BrushType::Smooth, 1.0, 1.0) };
-        let canvas = Canvas::heights(grid, layout, FieldId(0));
-        let batch = plan_fill(&brush, 0, canvas, Resources::default(), grid.bounds())?;
-        let executor = CpuExecutor::new(layout, 1 << 30, Some(num_threads))?;
-        let mut fill = Self { executor, pages: MemoryPages::new(layout, 0.0), pieces: Vec::new() };
-        let rough = Brush::new(BrushType::Roughen, 1.0, 100.0);
-        let ground = plan_fill(&rough, 3, canvas, Resources::default(), grid.bounds())?;
-        fill.executor.run(&ground, &mut fill.pages)?;
-        fill.executor.finish(&mut fill.pages)?;
-        fill.pages.commit();
-        fill.pieces = batch.split(layout, usize::MAX).collect();
-        Ok(fill)
-    }
-
-    /// Ends the operation too, outside of what is measured.
-    fn measure(&mut self, times: &mut Times) -> Result<()> {
-        times
-            .measure(|| self.pieces.iter().try_for_each(|piece| self.executor.run(piece, &mut self.pages)))?;
-        self.executor.finish(&mut self.pages)?;
-        self.pages.commit();
-        Ok(())
-    }
 }

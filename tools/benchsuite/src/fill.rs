@@ -1,0 +1,52 @@
+//! A brush as users have it, applied to a whole square of resident pages through the CPU back end.
+
+use anyhow::Result;
+use orogeny_brush::{Batch, Canvas, CpuExecutor, Executor as _, Resources, plan_fill};
+use orogeny_field::{Brush, FieldId, PageLayout, TerrainGrid};
+use orogeny_pages::MemoryPages;
+
+use crate::measure::Times;
+
+/// A fill, again and again.
+pub struct Fill {
+    executor: CpuExecutor,
+    pages: MemoryPages,
+    pieces: Vec<Batch>,
+}
+
+impl Fill {
+    /// Of `side` x `side` samples `spacing_m` apart, on ground that another brush has made of a plain.
+    pub fn new(
+        num_threads: usize,
+        side: u64,
+        spacing_m: f64,
+        ground: Option<&Brush>,
+        brush: &Brush,
+    ) -> Result<Self> {
+        let layout = PageLayout::default();
+        let grid = TerrainGrid::new(side, side, spacing_m)?;
+        let canvas = Canvas::heights(grid, layout, FieldId(0));
+        let plan = |brush| plan_fill(brush, 3, canvas, Resources::default(), grid.bounds());
+        let executor = CpuExecutor::new(layout, 1 << 30, Some(num_threads))?;
+        let mut fill = Self { executor, pages: MemoryPages::new(layout, 0.0), pieces: Vec::new() };
+        if let Some(ground) = ground {
+            fill.executor.run(&plan(ground)?, &mut fill.pages)?;
+            fill.end()?;
+        }
+        fill.pieces = plan(brush)?.split(layout, usize::MAX).collect();
+        Ok(fill)
+    }
+
+    /// Ends the operation too, outside of what is measured: the next one works anew.
+    pub fn measure(&mut self, times: &mut Times) -> Result<()> {
+        times
+            .measure(|| self.pieces.iter().try_for_each(|piece| self.executor.run(piece, &mut self.pages)))?;
+        self.end()
+    }
+
+    fn end(&mut self) -> Result<()> {
+        self.executor.finish(&mut self.pages)?;
+        self.pages.commit();
+        Ok(())
+    }
+}
