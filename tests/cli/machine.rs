@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::program::{Folder, Ran};
 
-const BRUSHES: [&str; 14] = [
+const BRUSHES: [&str; 19] = [
     "raise",
     "lower",
     "ledge",
@@ -13,6 +13,11 @@ const BRUSHES: [&str; 14] = [
     "ramp",
     "roughen",
     "noise",
+    "smooth",
+    "sharpen",
+    "smear",
+    "erode_thermal",
+    "erode_fluvial",
     "terrace",
     "range_map",
     "stamp",
@@ -39,6 +44,10 @@ fn brushes_lists_every_brush_with_ranges_and_the_ripple() {
     let one = folder.succeed("brushes level");
     assert_eq!(one["brushes"].as_array().unwrap().len(), 1);
     assert_eq!(one["brushes"][0]["properties"]["only"]["enum"][0], "both");
+    let eroding = folder.succeed("brushes erode_thermal");
+    let layers = &eroding["brushes"][0]["properties"]["layers"];
+    assert_eq!((&layers["type"], &layers["maxItems"]), (&"array".into(), &7.into()));
+    assert_eq!(layers["items"]["properties"]["talus_angle"]["maximum"], 89.0);
     let nested = folder.succeed("brushes noise");
     let noise = &nested["brushes"][0]["properties"];
     assert_eq!(noise["distortion"]["properties"]["octaves"]["maximum"], 16);
