@@ -1,18 +1,12 @@
 // lerp(H, G, A) towards a goal of each sample's own: what a filter made of the ground. Twin: orogeny_reference::brush::blend.
 #include "driver/local.wgsl"
+#include "lib/plane.wgsl"
 
-struct Blend {
-    goal_origin: vec2<i32>, // of the first goal, on the terrain
-    goal_stride: u32,       // goals from row to row
-    padding: u32,
-}
-
-@group(1) @binding(11) var<uniform> blend: Blend;
+@group(1) @binding(11) var<uniform> goal_plane: Plane;
 @group(1) @binding(12) var<storage, read> goals: array<f32>;
 
 fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32 {
-    let local = vec2<u32>(sample - blend.goal_origin);
-    let goal = goals[local.y * blend.goal_stride + local.x];
+    let goal = goals[index_in(goal_plane, 0u, sample)];
     // What is between two heights never leaves them, however it is rounded.
     return clamp(lerp(height, goal, amount), min(height, goal), max(height, goal));
 }

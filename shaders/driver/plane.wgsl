@@ -1,14 +1,9 @@
 // One sample of a plane an invocation, made of those of other planes. A kernel includes this file and defines
 //     fn update_sample(sample: vec2<i32>)
 // which hands each channel's value to `store`. Bindings from 4 on are the kernel's own. Twin: orogeny_brush::executor_cpu::planes.
+#include "lib/plane.wgsl"
 
 const WORKGROUP_SIDE = 16u;
-
-struct Plane {
-    origin: vec2<i32>,   // of its first sample, on its grid
-    stride: u32,         // values from row to row
-    channel_stride: u32, // values from channel to channel
-}
 
 struct Step {
     result: Plane,
@@ -34,11 +29,6 @@ fn mirrored(place: i32, num_samples: u32) -> i32 {
     let period = 2 * last;
     let within = (place % period + period) % period;
     return min(within, period - within);
-}
-
-fn index_in(plane: Plane, channel: u32, sample: vec2<i32>) -> u32 {
-    let local = vec2<u32>(sample - plane.origin);
-    return channel * plane.channel_stride + local.y * plane.stride + local.x;
 }
 
 fn first_at(sample: vec2<i32>) -> f32 {

@@ -143,8 +143,7 @@ fn a_wash_over_a_place_again_changes_nothing_more_and_build_up_does() {
         strength: 0.5,
         ..with_width(smooth(SmoothMethod::Gaussian, blending), 2.0)
     };
-    let half = |blending| Brush { strength: 0.5, ..brush(blending) };
-    let wash = |points: &[[f64; 2]]| painted(&ground, stroke(half(Blending::Wash), points));
+    let wash = |points: &[[f64; 2]]| painted(&ground, stroke(brush(Blending::Wash), points));
     let (one, three) = (wash(&once), wash(&thrice));
     let all = filled(&ground, with_width(smooth(SmoothMethod::Gaussian, Blending::Wash), 2.0));
     for x in 20..108 {
@@ -159,7 +158,7 @@ fn a_wash_over_a_place_again_changes_nothing_more_and_build_up_does() {
     let bend = |plane: &Plane, x: u32| plane.at(x - 1, 32) - 2.0 * plane.at(x, 32) + plane.at(x + 1, 32);
     let roughness = |plane: &Plane| (21..107).map(|x| bend(plane, x).abs()).sum::<f32>();
     let build_up =
-        |points: &[[f64; 2]]| roughness(&painted(&ground, stroke(half(Blending::BuildUp), points)));
+        |points: &[[f64; 2]]| roughness(&painted(&ground, stroke(brush(Blending::BuildUp), points)));
     assert!(build_up(&thrice) < 0.8 * build_up(&once));
 }
 

@@ -8,7 +8,6 @@ use orogeny_brush::filter::kernels::sharpen::SharpenUniform;
 use orogeny_brush::filter::kernels::shift::ShiftUniform;
 use orogeny_brush::filter::kernels::thermal::ThermalUniform;
 use orogeny_brush::filter::kernels::{PlaneUniform, StepUniform};
-use orogeny_brush::kernels::blend::BlendUniform;
 use orogeny_brush::kernels::custom::CustomUniform;
 use orogeny_brush::kernels::ledge::LedgeUniform;
 use orogeny_brush::kernels::level::LevelUniform;
@@ -126,7 +125,6 @@ fn mirrors() -> Vec<Mirror> {
                 slope_scale
             }
         ),
-        mirror!("Blend", BlendUniform { goal_origin, goal_stride, padding }),
         mirror!("Ledge", LedgeUniform { direction }),
         mirror!("Level", LevelUniform { target_height_m, only }),
         mirror!("Ramp", RampUniform { is_smooth, level_only }),

@@ -1,6 +1,6 @@
 //! One device, with everything that goes wrong on it recorded.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use crate::adapter::{AdapterChoice, AdapterDescription, choose};
@@ -18,7 +18,7 @@ pub struct Gpu {
     description: AdapterDescription,
     troubles: Arc<Mutex<Troubles>>,
     timeout: Duration,
-    kernels: Arc<BuiltKernels>,
+    kernels: Arc<Mutex<BuiltKernels>>,
 }
 
 /// What the driver said outside of any call that could have returned it.
@@ -75,8 +75,9 @@ impl Gpu {
         &self.device
     }
 
-    pub(crate) fn built_kernels(&self) -> &BuiltKernels {
-        &self.kernels
+    /// The kernels that were built for it, for as long as the lock is held.
+    pub(crate) fn built_kernels(&self) -> MutexGuard<'_, BuiltKernels> {
+        lock(&self.kernels)
     }
 
     /// Its queue.
@@ -209,7 +210,7 @@ impl Gpu {
     }
 }
 
-/// A panic while the lock is held cannot leave the record half written, so a poisoned one is as good as any.
-fn lock(troubles: &Mutex<Troubles>) -> std::sync::MutexGuard<'_, Troubles> {
-    troubles.lock().unwrap_or_else(PoisonError::into_inner)
+/// A panic while the lock is held cannot leave what is kept half written, so a poisoned one is as good as any.
+fn lock<T>(kept: &Mutex<T>) -> MutexGuard<'_, T> {
+    kept.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use orogeny_shaders::{Binding, BindingKind, SampleType, Shader, TextureAccess, TextureDimension, shader};
 
@@ -20,8 +20,35 @@ pub struct Kernel {
     pub bind_group_layout: wgpu::BindGroupLayout,
 }
 
+impl Kernel {
+    /// Records one dispatch, with its resources in the order of their bindings, over so many workgroups along x and y.
+    pub fn record<'a>(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        label: &str,
+        resources: impl IntoIterator<Item = wgpu::BindingResource<'a>>,
+        [columns, rows]: [u32; 2],
+    ) {
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        let bind_group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout: &self.bind_group_layout,
+            entries: &entries,
+        });
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(KERNEL_GROUP, &bind_group, &[]);
+        pass.dispatch_workgroups(columns, rows, 1);
+    }
+}
+
 /// The kernels that a device has built.
-pub(crate) type BuiltKernels = Mutex<HashMap<Variant, Arc<Kernel>>>;
+pub(crate) type BuiltKernels = HashMap<Variant, Arc<Kernel>>;
 
 /// A stem, or what tells a kernel that does not come with the program from others, and its constants, in the order in which they
 /// were given.
@@ -57,14 +84,12 @@ impl Gpu {
         constants: &[(&'static str, u32)],
     ) -> Result<Arc<Kernel>> {
         let variant = (name, constants.to_vec());
-        // A thread that failed while it had the map leaves it whole: it is only added to.
-        let built = || self.built_kernels().lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kernel) = built().get(&variant) {
+        if let Some(kernel) = self.built_kernels().get(&variant) {
             return Ok(Arc::clone(kernel));
         }
         // Not under the lock: drivers take long. Should two threads build one at a time, they have the same.
         let kernel = Arc::new(self.build(shader, constants)?);
-        built().insert(variant, Arc::clone(&kernel));
+        self.built_kernels().insert(variant, Arc::clone(&kernel));
         Ok(kernel)
     }
 

@@ -19,13 +19,13 @@ impl CpuExecutor {
         store: &mut dyn PageStore,
         watch: Watch<'_>,
     ) -> Result<()> {
-        let mut blocks = filter::blocks(self.layout, &batch.pages, &filter.graph);
+        let blocks = filter::blocks(self.layout, &batch.pages, &filter.graph);
         // What is made of the ground as it is now is made for all blocks before it changes in any.
         let num_at_once = if filter.is_sequential { blocks.len().max(1) } else { 1 };
         let mut planes = std::mem::take(&mut self.planes);
-        for blocks in blocks.chunks_mut(num_at_once) {
+        for blocks in blocks.chunks(num_at_once) {
             let mut goals = Vec::with_capacity(blocks.len());
-            for block in &*blocks {
+            for block in blocks {
                 let heights = |plane| self.gather(plane, filter, batch, store);
                 goals.push(planes.work_out(&self.threads, &filter.graph, block.rect, heights, watch)?);
             }
@@ -46,31 +46,28 @@ impl CpuExecutor {
         batch: &Batch,
         store: &mut dyn PageStore,
     ) -> Result<Plane> {
-        let keys = (self.layout.pages_in(plane.rect()))
-            .map(|(x, z)| PageKey::full_resolution(batch.pass.field, x, z));
         let is_now_wanted = |key: &PageKey| filter.is_sequential || !self.changed.contains(key);
-        // Only what is not here is loaded: `None` stands for what is.
+        let here = |key: &PageKey| {
+            let page = self.resident.peek(key)?;
+            let before = page.wash.as_ref().map(|wash| &wash.before);
+            if is_now_wanted(key) { Some(&page.heights) } else { before }
+        };
+        // Only what is not here is loaded.
         let mut loaded = Vec::new();
-        for key in keys {
-            let is_here = match self.resident.peek(&key) {
-                Some(page) => is_now_wanted(&key) || page.wash.is_some(),
-                None => false,
-            };
-            let page = (!is_here).then(|| {
-                self.load(&key, store, |store, key| {
+        for (x, z) in self.layout.pages_in(plane.rect()) {
+            let key = PageKey::full_resolution(batch.pass.field, x, z);
+            let page = match here(&key) {
+                Some(_) => None,
+                None => Some(self.load(&key, store, |store, key| {
                     if is_now_wanted(key) { store.load(key) } else { store.load_before(key) }
-                })
-            });
-            loaded.push((key, page.transpose()?));
+                })?),
+            };
+            loaded.push((key, page));
         }
         let pages: Vec<(SampleRect, &Page)> = (loaded.iter())
-            .filter_map(|(key, loaded)| {
-                let here = || {
-                    let page = self.resident.peek(key)?;
-                    let before = page.wash.as_ref().map(|wash| &wash.before);
-                    if is_now_wanted(key) { Some(&page.heights) } else { before }
-                };
-                Some((self.layout.page_rect(key), loaded.as_ref().or_else(here)?))
+            .filter_map(|(key, page)| {
+                let page = page.as_ref().or_else(|| here(key))?;
+                Some((self.layout.page_rect(key), page))
             })
             .collect();
         self.threads.install(|| copy(&pages, &mut plane));

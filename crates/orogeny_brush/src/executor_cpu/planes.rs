@@ -57,9 +57,8 @@ impl Planes {
             }
             planes.push(Some(plane));
             // What no later plane is made of gives its memory back.
-            for input in &node.inputs {
-                let is_last = graph.nodes().iter().skip(place + 1).all(|later| !later.inputs.contains(input));
-                if is_last && let Some(plane) = planes.get_mut(*input).and_then(Option::take) {
+            for input in graph.done_with(place) {
+                if let Some(plane) = planes.get_mut(input).and_then(Option::take) {
                     self.give_back(plane);
                 }
             }
@@ -100,19 +99,14 @@ fn source<'a>(graph: &Graph, planes: &'a [Option<Plane>], input: usize) -> Optio
 }
 
 impl<'a> Source<'a> {
-    fn row(&self, z: i32) -> &'a [f32] {
-        let z = self.mirrored_in.map_or(z, |[_, depth]| mirrored(z, depth));
-        let row = self.plane.row(z);
-        debug_assert!(row.is_some(), "row {z} of {:?}", self.plane.rect());
-        row.unwrap_or_default()
+    /// Where row `z` lies in the plane.
+    fn mirrored_row(&self, z: i32) -> i32 {
+        self.mirrored_in.map_or(z, |[_, depth]| mirrored(z, depth))
     }
 
     /// `length` samples of a row from column `x` on, none of which lies beyond the border.
     fn part(&self, z: i32, x: i32, length: usize) -> &'a [f32] {
-        let first = x.abs_diff(self.plane.rect().x0) as usize;
-        let part = self.row(z).get(first..first + length);
-        debug_assert!(part.is_some(), "{length} samples from {x} on of {:?}", self.plane.rect());
-        part.unwrap_or_default()
+        part(self.plane, 0, x, self.mirrored_row(z), length)
     }
 
     /// `length` samples of a row from column `x` on; through the buffer where they lie beyond the border.
@@ -120,13 +114,13 @@ impl<'a> Source<'a> {
     where
         'a: 'b,
     {
-        let row = self.row(z);
         let SampleRect { x0, x1, .. } = self.plane.rect();
         let end = x + length as i32;
-        let part = |from: i32, to: i32| row.get(from.abs_diff(x0) as usize..to.abs_diff(x0) as usize);
         if x >= x0 && end <= x1 {
-            return part(x, end).unwrap_or_default();
+            return self.part(z, x, length);
         }
+        let row = self.plane.row(self.mirrored_row(z)).unwrap_or_default();
+        let part = |from: i32, to: i32| row.get(from.abs_diff(x0) as usize..to.abs_diff(x0) as usize);
         let width = self.mirrored_in.map_or(u32::MAX, |[width, _]| width);
         let (inner, outer) = (x.max(x0).min(end), end.min(x1).max(x));
         buffer.clear();

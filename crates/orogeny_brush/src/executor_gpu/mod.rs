@@ -17,7 +17,7 @@ use orogeny_gpu::{Gpu, ReadBack, ReadbackBelt};
 use orogeny_pages::{AtlasLimits, PageStore, Slot};
 
 use crate::execute::{Executor, Notices, PageMemory, Watch};
-use crate::kernels::{OwnData, Rule, blend, noise};
+use crate::kernels::{OwnData, Rule, noise};
 use crate::plan::{Batch, PageWork, Pass};
 use crate::tiles::{PageLayers, TileList};
 use crate::{Error, Result};
@@ -361,14 +361,11 @@ impl GpuExecutor {
             }
             _ => None,
         };
-        let blend = match goal {
+        let goal_place = match goal {
             Some(goal) => {
-                let bytes = bytemuck::bytes_of(&blend::BlendUniform::from(&goal.uniform())).to_vec();
-                Some(self.gpu.create_buffer_with(
-                    "orogeny.brush.blend",
-                    wgpu::BufferUsages::UNIFORM,
-                    &bytes,
-                )?)
+                let usage = wgpu::BufferUsages::UNIFORM;
+                let place = goal.uniform();
+                Some(self.gpu.create_buffer_with("orogeny.brush.goal", usage, bytemuck::bytes_of(&place))?)
             }
             None => None,
         };
@@ -404,25 +401,12 @@ impl GpuExecutor {
             wgpu::BindingResource::TextureView(weights),
             wgpu::BindingResource::TextureView(self.gates.view(arrays.gates)),
         ];
-        let goal = blend.iter().chain(goal.map(|goal| &goal.buffer));
+        let goal = goal_place.iter().chain(goal.map(|goal| &goal.buffer));
         let own = shared.own_buffers.iter().chain(&lattice).chain(goal);
         resources.extend(own.map(wgpu::Buffer::as_entire_binding));
-        let entries: Vec<_> = (0..)
-            .zip(resources)
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-            .collect();
-        let bind_group = self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(stem),
-            layout: &kernel.bind_group_layout,
-            entries: &entries,
-        });
-        let mut pass = encoder
-            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(stem), timestamp_writes: None });
-        pass.set_pipeline(&kernel.pipeline);
-        pass.set_bind_group(1, &bind_group, &[]);
         let num_tiles = list.tiles.len() as u32;
         let columns = num_tiles.min(self.gpu.device().limits().max_compute_workgroups_per_dimension);
-        pass.dispatch_workgroups(columns, num_tiles.div_ceil(columns), 1);
+        kernel.record(&self.gpu, encoder, stem, resources, [columns, num_tiles.div_ceil(columns)]);
         Ok(())
     }
 

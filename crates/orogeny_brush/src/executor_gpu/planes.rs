@@ -116,9 +116,8 @@ impl GpuPlanes {
             dispatch(gpu, encoder, stem, &node.step, &uniform, [first, second, &plane])?;
         }
         made.push(Some(plane));
-        for input in &node.inputs {
-            let is_last = graph.nodes().iter().skip(place + 1).all(|later| !later.inputs.contains(input));
-            if is_last && let Some(plane) = made.get_mut(*input).and_then(Option::take) {
+        for input in graph.done_with(place) {
+            if let Some(plane) = made.get_mut(input).and_then(Option::take) {
                 self.give_back(plane);
             }
         }
@@ -143,20 +142,7 @@ fn dispatch(
         .chain(own.storage.iter().map(|bytes| small(storage_usage, bytes)))
         .collect::<Result<_, _>>()?;
     let buffers = std::iter::once(&uniform_buffer).chain(planes.map(|plane| &plane.buffer)).chain(&own);
-    let entries: Vec<_> = (0..)
-        .zip(buffers)
-        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-        .collect();
-    let bind_group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(stem),
-        layout: &kernel.bind_group_layout,
-        entries: &entries,
-    });
-    let mut pass = encoder
-        .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(stem), timestamp_writes: None });
-    pass.set_pipeline(&kernel.pipeline);
-    pass.set_bind_group(1, &bind_group, &[]);
-    let [width, depth] = uniform.size;
-    pass.dispatch_workgroups(width.div_ceil(WORKGROUP_SIDE), depth.div_ceil(WORKGROUP_SIDE), 1);
+    let workgroups = uniform.size.map(|samples| samples.div_ceil(WORKGROUP_SIDE));
+    kernel.record(gpu, encoder, stem, buffers.map(wgpu::Buffer::as_entire_binding), workgroups);
     Ok(())
 }

@@ -13,9 +13,12 @@ use super::graph::{Axis, Graph, Step};
 /// The widest Gaussian that is worked out directly, in samples: wider ones cost more so than by a pyramid.
 const MAX_DIRECT_SIGMA: f64 = 4.0;
 
-/// Adds a plane smoothed by a Gaussian of standard deviation `sigma` samples, above 0.
+/// The narrowest Gaussian, in samples: narrower ones change nothing.
+const MIN_SIGMA: f64 = 0.25;
+
+/// Adds a plane smoothed by a Gaussian of standard deviation `sigma` samples.
 pub(super) fn add(graph: &mut Graph, input: usize, sigma: f64) -> usize {
-    let (num_levels, sigma) = on_level(sigma);
+    let (num_levels, sigma) = on_level(sigma.max(MIN_SIGMA));
     let pyramid: Arc<[f32]> = PYRAMID_WEIGHTS.into();
     let mut node = input;
     for _ in 0..num_levels {

@@ -102,6 +102,8 @@ pub struct Node {
     pub step: Step,
     /// Of which planes: their places in the graph, before its own.
     pub inputs: Vec<usize>,
+    /// The last place that is made of it; its own, where none is.
+    last_reader: usize,
 }
 
 /// Planes, each after those that it is made of; the last is the result.
@@ -118,14 +120,31 @@ impl Graph {
     /// A graph of heights of a terrain of `extent` samples, and nothing made of them.
     #[must_use]
     pub fn new(extent: [u32; 2]) -> Self {
-        Self { extent, nodes: vec![Node { step: Step::Heights, inputs: Vec::new() }] }
+        Self {
+            extent,
+            nodes: vec![Node { step: Step::Heights, inputs: Vec::new(), last_reader: Self::HEIGHTS }],
+        }
     }
 
     /// Adds a plane made of others that are there; gives its place.
     pub fn add(&mut self, step: Step, inputs: &[usize]) -> usize {
         debug_assert!(inputs.iter().all(|input| *input < self.nodes.len()), "{inputs:?}");
-        self.nodes.push(Node { step, inputs: inputs.to_vec() });
-        self.nodes.len() - 1
+        let place = self.nodes.len();
+        for input in inputs {
+            if let Some(input) = self.nodes.get_mut(*input) {
+                input.last_reader = place;
+            }
+        }
+        self.nodes.push(Node { step, inputs: inputs.to_vec(), last_reader: place });
+        place
+    }
+
+    /// The planes that no place after this one is made of, and this one is.
+    pub fn done_with(&self, place: usize) -> impl Iterator<Item = usize> + '_ {
+        let inputs = self.nodes.get(place).map(|node| node.inputs.as_slice()).unwrap_or_default();
+        let is_done =
+            move |input: &usize| self.nodes.get(*input).is_some_and(|node| node.last_reader == place);
+        inputs.iter().copied().filter(is_done)
     }
 
     /// The planes, each after those that it is made of.
@@ -144,7 +163,11 @@ impl Graph {
     /// terrain.
     #[must_use]
     pub fn plan(&self, target: SampleRect) -> Vec<SampleRect> {
-        let [width, depth] = self.extent;
+        self.plan_on(self.extent, target)
+    }
+
+    /// The same on a terrain of another size.
+    fn plan_on(&self, [width, depth]: [u32; 2], target: SampleRect) -> Vec<SampleRect> {
         let terrain = SampleRect::new(0, 0, width.cast_signed(), depth.cast_signed());
         let mut rects = vec![SampleRect::EMPTY; self.nodes.len()];
         if let Some(last) = rects.last_mut() {
@@ -181,8 +204,7 @@ impl Graph {
     pub fn halo(&self) -> u32 {
         // Far from a border, about a sample of the coarsest grid.
         let (far, extent) = (1 << 28, [1 << 29; 2]);
-        let graph = Self { extent, nodes: self.nodes.clone() };
-        let rects = graph.plan(SampleRect::new(far - 1, far - 1, far + 1, far + 1));
+        let rects = self.plan_on(extent, SampleRect::new(far - 1, far - 1, far + 1, far + 1));
         let reach = |rect: &SampleRect| [far - rect.x0, rect.x1 - far, far - rect.z0, rect.z1 - far];
         rects.first().and_then(|rect| reach(rect).into_iter().max()).unwrap_or_default().unsigned_abs()
     }

@@ -39,18 +39,13 @@ impl Filter {
     /// [`orogeny_field::Error::BrushValue`] for a width of more samples than are looked at.
     pub fn of(brush: &Brush, grid: &TerrainGrid) -> Result<Option<Self>> {
         let mut graph = Graph::new([grid.width(), grid.depth()]);
-        let width = match brush.smoothing.width_m.map(|width_m| width_m / grid.spacing_m()) {
-            Some(width) if width > MAX_WIDTH_SAMPLES => return Err(too_wide(brush, width, grid).into()),
-            Some(width) => width,
-            None => (brush.radius_m / DEFAULT_WIDTH_SHARE / grid.spacing_m()).min(MAX_WIDTH_SAMPLES),
-        };
         match brush.brush_type {
             BrushType::Smooth => match brush.smoothing.method {
-                SmoothMethod::Gaussian => _ = gaussian::add(&mut graph, Graph::HEIGHTS, width.max(MIN_SIGMA)),
-                SmoothMethod::Lattice => _ = lattice::add(&mut graph, Graph::HEIGHTS, width),
+                SmoothMethod::Gaussian => _ = gaussian::add(&mut graph, Graph::HEIGHTS, width(brush, grid)?),
+                SmoothMethod::Lattice => _ = lattice::add(&mut graph, Graph::HEIGHTS, width(brush, grid)?),
             },
             BrushType::Sharpen => {
-                let smoothed = gaussian::add(&mut graph, Graph::HEIGHTS, width.max(MIN_SIGMA));
+                let smoothed = gaussian::add(&mut graph, Graph::HEIGHTS, width(brush, grid)?);
                 let gain = brush.smoothing.gain as f32;
                 graph.add(Step::Sharpen { gain }, &[Graph::HEIGHTS, smoothed]);
             }
@@ -83,9 +78,6 @@ impl Filter {
 /// Where a brush does not say how wide it smooths: its radius by this.
 const DEFAULT_WIDTH_SHARE: f64 = 8.0;
 
-/// The narrowest Gaussian, in samples: narrower ones change nothing.
-const MIN_SIGMA: f64 = 0.25;
-
 /// Whether a brush waits for the stroke's end: what it makes of the ground takes long, and is made once.
 pub(crate) const fn waits_for_end(brush_type: BrushType) -> bool {
     matches!(brush_type, BrushType::ErodeThermal | BrushType::ErodeFluvial)
@@ -97,6 +89,15 @@ pub(crate) fn is_sequential(brush: &Brush) -> bool {
         BrushType::Smooth | BrushType::Sharpen => brush.blending != Blending::Wash,
         BrushType::Smear => true,
         _ => false,
+    }
+}
+
+/// How wide a brush smooths, in samples.
+fn width(brush: &Brush, grid: &TerrainGrid) -> Result<f64> {
+    match brush.smoothing.width_m.map(|width_m| width_m / grid.spacing_m()) {
+        Some(width) if width > MAX_WIDTH_SAMPLES => Err(too_wide(brush, width, grid).into()),
+        Some(width) => Ok(width),
+        None => Ok((brush.radius_m / DEFAULT_WIDTH_SHARE / grid.spacing_m()).min(MAX_WIDTH_SAMPLES)),
     }
 }
 

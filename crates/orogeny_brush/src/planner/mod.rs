@@ -136,6 +136,7 @@ impl StrokePlanner {
             (_, true) => usize::MAX,
             _ => max_instances,
         };
+        let is_smear = self.plan.brush.brush_type == BrushType::Smear;
         let mut drags = Vec::new();
         let mut instances = Vec::new();
         let mut bounds = Vec::new();
@@ -160,9 +161,11 @@ impl StrokePlanner {
                 num_pages += checked_num_pages(self.plan.canvas.layout, bound)?;
                 instances.push(self.instance(store, &place, &touch, &image, position, radius)?);
                 bounds.push(bound);
-                let (from, to) =
-                    (image.place(previous.unwrap_or(place.position)), image.place(place.position));
-                drags.push([to[0] - from[0], to[1] - from[1]]);
+                if is_smear {
+                    let [from, to] =
+                        [previous.unwrap_or(place.position), place.position].map(|p| image.place(p));
+                    drags.push([to[0] - from[0], to[1] - from[1]]);
+                }
             }
         }
         if num_places == 0 {
@@ -171,10 +174,10 @@ impl StrokePlanner {
         let pass = self.pass(store)?;
         if is_sequential {
             let layout = self.plan.canvas.layout;
-            for ((instance, bound), drag) in instances.drain(..).zip(bounds.drain(..)).zip(drags) {
+            for (index, (instance, bound)) in instances.into_iter().zip(bounds).enumerate() {
                 let mut pass = pass.clone();
-                if self.plan.brush.brush_type == BrushType::Smear {
-                    pass.rule = Rule::Filter(Filter::drag(&self.plan.canvas.grid, drag));
+                if let Some(drag) = drags.get(index) {
+                    pass.rule = Rule::Filter(Filter::drag(&self.plan.canvas.grid, *drag));
                 }
                 self.waiting.push_back(Batch::new(pass, layout, vec![instance], vec![bound]));
             }

@@ -30,7 +30,7 @@ pub struct StepUniform {
     pub phase: u32,
 }
 
-/// Where a plane lies. The layout is that of `Plane` in `shaders/driver/plane.wgsl`.
+/// Where a plane lies. The layout is that of `Plane` in `shaders/lib/plane.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct PlaneUniform {

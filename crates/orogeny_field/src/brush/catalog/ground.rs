@@ -1,9 +1,10 @@
 //! What single brush types have.
 
 use super::kind::{Parameter, ParameterKind, number, optional_number, parameter};
+use super::stroke::SMOOTHING;
 use super::{MAX_HEIGHT, MAX_RADIUS_M};
-use crate::MAX_ROCK_LAYERS;
 use crate::brush::BrushType;
+use crate::{MAX_ROCK_LAYERS, MAX_TALUS_ANGLE_DEG, MAX_THERMAL_RATE};
 
 pub(super) const PARAMETERS: &[Parameter] = &[
     parameter(
@@ -71,8 +72,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         .of_brushes(&[BrushType::Sharpen]),
     parameter("iterations", ParameterKind::Integer { min: 1, max: 1000, default: 50 }, "how long it slides; each takes it a sample further")
         .of_brushes(THERMAL),
-    parameter("talus_angle", number(0.0, 89.0, 35.0), "the steepest slope that holds").in_unit("°").of_brushes(THERMAL),
-    parameter("rate", number(0.0, 0.25, 0.25), "how much of what is too steep slides in two iterations").of_brushes(THERMAL),
+    parameter("talus_angle", TALUS_ANGLE, "the steepest slope that holds").in_unit("°").of_brushes(THERMAL),
+    parameter("rate", RATE, "how much of what is too steep slides in two iterations").of_brushes(THERMAL),
     parameter(
         "layers",
         ParameterKind::List { parameters: LAYER, max: MAX_ROCK_LAYERS - 1 },
@@ -137,11 +138,12 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     parameter("value", number(0.0, 1.0, 1.0), "what is painted").of_brushes(&[BrushType::PaintMask]),
 ];
 
-const SMOOTHING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen];
+const TALUS_ANGLE: ParameterKind = number(0.0, MAX_TALUS_ANGLE_DEG, 35.0);
+const RATE: ParameterKind = number(0.0, MAX_THERMAL_RATE, MAX_THERMAL_RATE);
 const LAYER: &[Parameter] = &[
     parameter("from", number(-MAX_HEIGHT, MAX_HEIGHT, 0.0), "where it begins").in_unit("m"),
-    parameter("talus_angle", number(0.0, 89.0, 35.0), "the steepest slope of it that holds").in_unit("°"),
-    parameter("rate", number(0.0, 0.25, 0.25), "how much of what is too steep slides in two iterations"),
+    parameter("talus_angle", TALUS_ANGLE, "the steepest slope of it that holds").in_unit("°"),
+    parameter("rate", RATE, "how much of what is too steep slides in two iterations"),
 ];
 const THERMAL: &[BrushType] = &[BrushType::ErodeThermal];
 const FLUVIAL: &[BrushType] = &[BrushType::ErodeFluvial];

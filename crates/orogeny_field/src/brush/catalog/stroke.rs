@@ -31,7 +31,7 @@ const WASHING: &[BrushType] = &[
 const ERODING: &[BrushType] = &[BrushType::ErodeThermal, BrushType::ErodeFluvial];
 /// Those that look at neighbours: half of the strength is plenty for one pass.
 const FILTERING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen, BrushType::Smear];
-const SMOOTHING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen];
+pub(super) const SMOOTHING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen];
 
 /// A factor 0..1 by a factor 0..1.
 const FACTOR: ParameterKind = ParameterKind::Curve { x: (0.0, 1.0), y: (0.0, 1.0) };
