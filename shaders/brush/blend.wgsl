@@ -7,8 +7,7 @@
 
 fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32 {
     let goal = goals[index_in(goal_plane, 0u, sample)];
-    // What is between two heights never leaves them, however it is rounded.
-    return clamp(lerp(height, goal, amount), min(height, goal), max(height, goal));
+    return pulled(height, goal, amount);
 }
 
 @compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)

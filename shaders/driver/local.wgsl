@@ -3,24 +3,13 @@
 //     fn new_height(height: f32, amount: f32, sample: vec2<i32>, instance: Instance) -> f32
 // Bindings from 11 on are the kernel's own. Twin: orogeny_brush::executor_cpu.
 #include "driver/footprint.wgsl"
+#include "lib/tile.wgsl"
 #include "lib/height.wgsl"
 
 const WORKGROUP_SIDE = 16u;
 
 override IS_GATED: u32 = 0u;
 override IS_MASK: u32 = 0u;
-
-struct Tile {
-    page_origin: vec2<i32>, // of the page's first sample, on the terrain
-    first: vec2<u32>,       // first sample to change, in the page
-    end: vec2<u32>,         // one past the last
-    heights_layer: u32,
-    scratch_layer: u32,     // of `before` and `weights`; wash only
-    gate_layer: u32,        // of `gates`; gated brushes only
-    first_index: u32,       // its instances: tile_instances[first_index .. end_index]
-    end_index: u32,
-    first_lattice: u32,     // of its places on the lattices of a noise; see driver/noise.wgsl
-}
 
 struct Counters {
     num_clamped: atomic<u32>,

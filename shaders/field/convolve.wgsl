@@ -9,8 +9,8 @@ struct Convolve {
     num_weights: u32,
 }
 
-@group(1) @binding(4) var<uniform> convolve: Convolve;
-@group(1) @binding(5) var<storage, read> weights: array<f32>;
+@group(1) @binding(6) var<uniform> convolve: Convolve;
+@group(1) @binding(7) var<storage, read> weights: array<f32>;
 
 fn update_sample(sample: vec2<i32>) {
     let axis = select(vec2<i32>(1, 0), vec2<i32>(0, 1), AXIS == 1u);

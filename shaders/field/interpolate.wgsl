@@ -15,8 +15,8 @@ struct PhaseWeights {
     after_next: f32,
 }
 
-@group(1) @binding(4) var<uniform> interpolate: Interpolate;
-@group(1) @binding(5) var<storage, read> phases: array<PhaseWeights>;
+@group(1) @binding(6) var<uniform> interpolate: Interpolate;
+@group(1) @binding(7) var<storage, read> phases: array<PhaseWeights>;
 
 fn update_sample(sample: vec2<i32>) {
     let axis = select(vec2<i32>(1, 0), vec2<i32>(0, 1), AXIS == 1u);

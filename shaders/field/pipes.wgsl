@@ -35,7 +35,7 @@ struct Pipes {
     slope_scale: f32,
 }
 
-@group(1) @binding(4) var<uniform> pipes: Pipes;
+@group(1) @binding(6) var<uniform> pipes: Pipes;
 
 fn enough(value: f32) -> f32 {
     return select(0.0, value, value >= LEAST_M);

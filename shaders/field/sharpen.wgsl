@@ -5,11 +5,11 @@ struct Sharpen {
     gain: f32,
 }
 
-@group(1) @binding(4) var<uniform> sharpen: Sharpen;
+@group(1) @binding(6) var<uniform> sharpen: Sharpen;
 
 fn update_sample(sample: vec2<i32>) {
     let height = first_at(sample);
-    store(0u, sample, height + sharpen.gain * (height - second_channel_at(0u, sample)));
+    store(0u, sample, height + sharpen.gain * (height - second_at(sample)));
 }
 
 @compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)

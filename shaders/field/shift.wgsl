@@ -6,7 +6,7 @@ struct Shift {
     fraction: vec2<f32>,
 }
 
-@group(1) @binding(4) var<uniform> shift: Shift;
+@group(1) @binding(6) var<uniform> shift: Shift;
 
 fn update_sample(sample: vec2<i32>) {
     let place = sample + shift.cell;

@@ -22,8 +22,8 @@ struct ThermalLayer {
     half_rate: f32,
 }
 
-@group(1) @binding(4) var<uniform> thermal: Thermal;
-@group(1) @binding(5) var<storage, read> layers: array<ThermalLayer>;
+@group(1) @binding(6) var<uniform> thermal: Thermal;
+@group(1) @binding(7) var<storage, read> layers: array<ThermalLayer>;
 
 fn height_at(sample: vec2<i32>) -> f32 {
     if is_on_terrain(sample) {

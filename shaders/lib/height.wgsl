@@ -31,3 +31,10 @@ fn sanitized_height(height_m: f32) -> f32 {
     let clamped = clamp(height_m, -MAX_HEIGHT_M, MAX_HEIGHT_M);
     return select(clamped, 0.0, is_nan || magnitude < bitcast<u32>(SMALLEST_NORMAL));
 }
+
+// A height pulled to a goal by an amount, 0..1: by 1 to the goal itself. What is between two heights never leaves them, however it
+// is rounded.
+fn pulled(height: f32, goal: f32, amount: f32) -> f32 {
+    let between = clamp(lerp(height, goal, amount), min(height, goal), max(height, goal));
+    return select(between, goal, amount == 1.0);
+}

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::program::{Folder, Ran};
 
-const BRUSHES: [&str; 19] = [
+const BRUSHES: [&str; 21] = [
     "raise",
     "lower",
     "ledge",
@@ -16,6 +16,8 @@ const BRUSHES: [&str; 19] = [
     "smooth",
     "sharpen",
     "smear",
+    "grab",
+    "clone",
     "erode_thermal",
     "erode_fluvial",
     "terrace",

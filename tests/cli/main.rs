@@ -13,6 +13,7 @@ mod bad_recipes;
 mod beside;
 mod brush_data;
 mod cancel;
+mod cloning;
 mod compaction;
 mod damage;
 mod faults;

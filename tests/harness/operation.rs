@@ -2,8 +2,10 @@
 
 use std::sync::{Arc, OnceLock};
 
-use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, Result, StrokePlanner, plan_fill};
-use orogeny_field::{Bitmap, Brush, FieldId, Gate, PageLayout, SampleRect, Stroke, TerrainGrid};
+use orogeny_brush::{
+    Batch, Canvas, CloneGround, Executor, Notices, Resources, Result, StrokePlanner, plan_fill,
+};
+use orogeny_field::{Bitmap, Brush, BrushType, FieldId, Gate, PageLayout, SampleRect, Stroke, TerrainGrid};
 use orogeny_pages::PageStore;
 
 use crate::{Plane, Random};
@@ -131,7 +133,7 @@ fn canvas(brush: &Brush, grid: TerrainGrid, layout: PageLayout, field: FieldId) 
 
 /// What a brush names: one bitmap stands in for all.
 #[must_use]
-pub fn resources(brush: &Brush) -> Resources {
+pub fn resources(brush: &Brush, field: FieldId) -> Resources {
     static BITMAP: OnceLock<Arc<Bitmap>> = OnceLock::new();
     let bitmap = BITMAP.get_or_init(|| {
         let mut random = Random::new(11);
@@ -145,7 +147,23 @@ pub fn resources(brush: &Brush) -> Resources {
         gate_image: of(has_image(brush.gate.as_deref())),
         roughness_image: of(has_image(brush.noise.roughness.as_deref())),
         custom: None,
+        clone_ground: (brush.brush_type == BrushType::Clone).then(|| clone_ground(brush, field)),
     }
+}
+
+/// What a clone brush copies: the field itself, or a small raster that stands in for data from outside.
+fn clone_ground(brush: &Brush, field: FieldId) -> CloneGround {
+    static RASTER: OnceLock<Arc<orogeny_field::Plane>> = OnceLock::new();
+    if brush.cloning.source.data.is_none() {
+        return CloneGround::Field(field);
+    }
+    let heights = RASTER.get_or_init(|| {
+        let mut random = Random::new(31);
+        let heights = (0..61 * 47).map(|_| random.within(-300.0, 900.0) as f32).collect();
+        let rect = SampleRect::new(0, 0, 61, 47);
+        Arc::new(orogeny_field::Plane::from_samples(rect, 1, heights).unwrap())
+    });
+    CloneGround::Raster { heights: Arc::clone(heights), spacing_m: 2.5 }
 }
 
 fn for_each_batch(
@@ -159,8 +177,8 @@ fn for_each_batch(
     let layout = store.layout();
     match operation {
         Operation::Fill { brush, seed, region } => {
-            let fill =
-                plan_fill(brush, *seed, canvas(brush, *grid, layout, field), resources(brush), *region)?;
+            let canvas = canvas(brush, *grid, layout, field);
+            let fill = plan_fill(brush, *seed, canvas, resources(brush, field), *region, store)?;
             for batch in fill.split(layout, feed.max_batch) {
                 act(batch, store)?;
             }
@@ -174,7 +192,7 @@ fn for_each_batch(
             };
             let brush = &stroke.brush;
             let canvas = canvas(brush, *grid, layout, field);
-            let mut planner = StrokePlanner::new(brush, stroke.seed, canvas, resources(brush))?;
+            let mut planner = StrokePlanner::new(brush, stroke.seed, canvas, resources(brush, field))?;
             let mut num_pushed = 0;
             for points in stroke.points.chunks(part.max(1)) {
                 for point in points {

@@ -34,7 +34,8 @@ fn profiles() -> [(&'static str, ProfileShape, f64); 11] {
 
 /// Whether a brush can be applied without a stroke.
 fn can_fill(brush: &Brush) -> bool {
-    let needs_stroke = matches!(brush.brush_type, BrushType::Ramp | BrushType::Stamp | BrushType::Smear);
+    let needs_stroke =
+        matches!(brush.brush_type, BrushType::Ramp | BrushType::Stamp | BrushType::Smear | BrushType::Grab);
     !needs_stroke && brush.alpha.is_none()
 }
 

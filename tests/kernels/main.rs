@@ -7,6 +7,7 @@
 mod agreement;
 mod blend;
 mod centre_line;
+mod cloning;
 mod erosion;
 mod ledge;
 mod level;

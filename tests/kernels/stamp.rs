@@ -2,7 +2,7 @@
 
 use orogeny_brush::CpuExecutor;
 use orogeny_field::{
-    Alpha, AlphaRotation, Blending, Brush, BrushType, DataSource, Jitter, PageLayout, PointerSample,
+    Alpha, AlphaRotation, Blending, Brush, BrushType, DataSource, FieldId, Jitter, PageLayout, PointerSample,
     ProfileShape, Stamp, StampMode, Stroke, Symmetry, SymmetryKind,
 };
 use orogeny_tests::{Feed, Operation, Plane, compare, paint};
@@ -70,7 +70,7 @@ fn hard(mode: StampMode) -> Brush {
 
 #[test]
 fn a_stamp_is_its_bitmap_over_the_ground_under_it() {
-    let bitmap = orogeny_tests::resources(&hard(StampMode::Add)).alpha.unwrap();
+    let bitmap = orogeny_tests::resources(&hard(StampMode::Add), FieldId(0)).alpha.unwrap();
     let stamped = dab(hard(StampMode::Add), [60.0, 60.0]);
     // Pixel (i, j) of 37 x 23 lies in the middle of its share of the square.
     for (i, j) in [(18, 11), (10, 8), (25, 15), (12, 16)] {

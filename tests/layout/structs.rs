@@ -2,12 +2,17 @@
 
 use std::collections::BTreeSet;
 
+use orogeny_brush::filter::kernels::band::BandUniform;
+use orogeny_brush::filter::kernels::combine::CombineUniform;
 use orogeny_brush::filter::kernels::convolve::ConvolveUniform;
+use orogeny_brush::filter::kernels::cover::CoverUniform;
+use orogeny_brush::filter::kernels::grab::GrabUniform;
 use orogeny_brush::filter::kernels::interpolate::InterpolateUniform;
+use orogeny_brush::filter::kernels::resample::ResampleUniform;
 use orogeny_brush::filter::kernels::sharpen::SharpenUniform;
 use orogeny_brush::filter::kernels::shift::ShiftUniform;
 use orogeny_brush::filter::kernels::thermal::ThermalUniform;
-use orogeny_brush::filter::kernels::{PlaneUniform, StepUniform};
+use orogeny_brush::filter::kernels::{InputUniform, PlaneUniform, StepUniform};
 use orogeny_brush::kernels::custom::CustomUniform;
 use orogeny_brush::kernels::ledge::LedgeUniform;
 use orogeny_brush::kernels::level::LevelUniform;
@@ -20,7 +25,7 @@ use orogeny_brush::kernels::stamp::StampUniform;
 use orogeny_brush::kernels::terrace::TerraceUniform;
 use orogeny_brush::{BrushUniform, Tile};
 use orogeny_field::noise::{FrameOctave, LatticePoint, LatticeStep};
-use orogeny_field::{Instance, PhaseWeights, PipesKernel, ThermalLayer};
+use orogeny_field::{Drag, Instance, PhaseWeights, PipesKernel, Place, ThermalLayer};
 use orogeny_shaders::{SHADERS, Shader, Struct};
 
 /// A field of a struct: name, offset and size in bytes.
@@ -103,7 +108,15 @@ fn mirrors() -> Vec<Mirror> {
         ),
         mirror!("Brush", BrushUniform { inverse_falloff_ratio, falloff_exponent, falloff_scale }),
         mirror!("Plane", PlaneUniform { origin, stride, channel_stride }),
-        mirror!("Step", StepUniform { result, first, second, size, extent, is_mirrored, phase }),
+        mirror!("Input", InputUniform { plane, extent, padding }),
+        mirror!("Step", StepUniform { result, inputs, size, extent, phase, padding }),
+        mirror!("Place", Place { cell, fraction }),
+        mirror!("Resample", ResampleUniform { scale, offset_m }),
+        mirror!("Cover", CoverUniform { extent }),
+        mirror!("Combine", CombineUniform { factors }),
+        mirror!("Band", BandUniform { factor }),
+        mirror!("Grab", GrabUniform { num_drags, num_steps, inverse_num_steps }),
+        mirror!("Drag", Drag { cell, fraction, way, inverse_radius, padding }),
         mirror!("Convolve", ConvolveUniform { stride, num_weights }),
         mirror!("Interpolate", InterpolateUniform { num_phases }),
         mirror!("PhaseWeights", PhaseWeights { before, next, after_next }),

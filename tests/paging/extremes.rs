@@ -2,9 +2,10 @@
 
 use orogeny_field::noise::{Noise, Normalization, Turbulence};
 use orogeny_field::{
-    Alpha, AlphaRotation, Blending, Brush, BrushType, Coverage, DataSource, FieldId, Jitter, LedgeDirection,
-    LevelOnly, PageLayout, PointerSample, PressureTarget, ProfileShape, RangeMap, RangeMapping, SampleRect,
-    SmoothMethod, Smoothing, Stamp, StampMode, Stroke, Terrace, TerrainGrid, is_storable_height,
+    Alignment, Alpha, AlphaRotation, Blending, Brush, BrushType, CloneBlend, CloneSource, Cloning, Coverage,
+    DataSource, FieldId, Jitter, LedgeDirection, LevelOnly, PageLayout, PointerSample, PressureTarget,
+    ProfileShape, RangeMap, RangeMapping, SampleRect, SmoothMethod, Smoothing, Stamp, StampMode, Stroke,
+    Terrace, TerrainGrid, is_storable_height,
 };
 use orogeny_tests::{Feed, Operation, Plane, Random, compare, gpu, paint, terrain};
 use proptest::prelude::*;
@@ -117,6 +118,22 @@ fn extreme_brush(random: &mut Random) -> Brush {
             rotation: random.one_of(&[AlphaRotation::Fixed, AlphaRotation::Random]),
             is_mirrored: false,
         }),
+        cloning: Cloning {
+            source: CloneSource {
+                at_m: random.one_of(&[[0.0, 0.0], [50.0, 1.0e9], [-3.0e4, 7.0]]),
+                to_m: Some(random.one_of(&[[0.0, 0.0], [-1.0e9, 50.0], [40.0, 3.0e4]])),
+                alignment: random.one_of(&[Alignment::Stroke, Alignment::Aligned]),
+                rotation_deg: random.one_of(&[0.0, 90.0, -359.9]),
+                scale: random.one_of(&[1.0 / 64.0, 1.0, 64.0]),
+                is_mirrored: random.one_of(&[false, true]),
+                height_scale: random.one_of(&[-1000.0, 0.0, 1.0]),
+                height_offset_m: random.one_of(&[-1.0e7, 0.0]),
+                ..CloneSource::default()
+            },
+            blend: random.one_of(&[CloneBlend::Laplacian, CloneBlend::MeanShifted, CloneBlend::Plain]),
+            num_levels: random.one_of(&[None, Some(1), Some(12)]),
+            level_weights: Vec::new(),
+        },
         terrace: Terrace {
             step_m: random.one_of(&[1.0e-3, 10.0, 1.0e7]),
             sharpness: random.one_of(&[0.0, 1.0]),
@@ -171,7 +188,8 @@ fn no_parameters_write_a_height_that_cannot_be_stored() {
         // A ramp leads somewhere.
         let is_ramp = brush.brush_type == BrushType::Ramp;
         let num_points = if is_ramp { 4 } else { random.one_of(&[1, 4]) };
-        let can_fill = !is_ramp && !matches!(brush.brush_type, BrushType::Stamp | BrushType::Smear);
+        let can_fill =
+            !is_ramp && !matches!(brush.brush_type, BrushType::Stamp | BrushType::Smear | BrushType::Grab);
         let points = points[..num_points].to_vec();
         let fill_brush = Brush { height_m: brush.height_m.or(Some(1.0e7)), ..brush.clone() };
         let operations = [

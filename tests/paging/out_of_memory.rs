@@ -53,10 +53,10 @@ impl PageStore for Looked {
 fn fill(executor: &mut GpuExecutor, layout: PageLayout, strength: f64, region: SampleRect) -> usize {
     let grid = TerrainGrid::new(1 << 16, 1 << 16, 1.0).unwrap();
     let brush = Brush::new(BrushType::Raise, 1.0, strength);
-    let plan =
-        plan_fill(&brush, 0, Canvas::heights(grid, layout, FIELD), Resources::default(), region).unwrap();
     let expected_m = 100.0 + strength as f32;
     let mut store = Looked { layout, expected_m, saved: BTreeSet::new() };
+    let canvas = Canvas::heights(grid, layout, FIELD);
+    let plan = plan_fill(&brush, 0, canvas, Resources::default(), region, &mut store).unwrap();
     for batch in plan.split(layout, 64) {
         executor.run(&batch, &mut store).unwrap();
     }

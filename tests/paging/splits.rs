@@ -3,9 +3,9 @@
 use orogeny_brush::Executor;
 use orogeny_field::noise::{Noise, NoiseDirection, Normalization, Seeding, Turbulence};
 use orogeny_field::{
-    Alpha, AlphaRotation, AspectGate, Band, Blending, Brush, BrushType, DataSource, Gate, Jitter, NoiseGate,
-    PageLayout, Pipes, PointerSample, SampleRect, SmoothMethod, Smoothing, Symmetry, SymmetryKind, Terrace,
-    Thermal,
+    Alignment, Alpha, AlphaRotation, AspectGate, Band, Blending, Brush, BrushType, CloneBlend, CloneSource,
+    Cloning, DataSource, Gate, Jitter, NoiseGate, PageLayout, Pipes, PointerSample, SampleRect, SmoothMethod,
+    Smoothing, Symmetry, SymmetryKind, Terrace, Thermal,
 };
 use orogeny_gpu::Gpu;
 use orogeny_tests::{Feed, Operation, Plane, Split, compare, gpu, paint, terrain};
@@ -106,7 +106,27 @@ fn neighbourhood_operations() -> Vec<Operation> {
         symmetry: Some(Symmetry { kind: SymmetryKind::Point, centre_m: [90.0, 80.0] }),
         ..Brush::new(BrushType::Sharpen, 18.0, 0.3)
     };
+    let clone = |blend, source| Brush {
+        cloning: Cloning {
+            source: CloneSource { at_m: [130.0, 20.0], to_m: Some([40.0, 70.0]), ..source },
+            blend,
+            ..Cloning::default()
+        },
+        ..Brush::new(BrushType::Clone, 18.0, 0.9)
+    };
+    let turned = CloneSource { rotation_deg: 25.0, scale: 0.4, is_mirrored: true, ..CloneSource::default() };
+    let fixed = CloneSource { alignment: Alignment::Fixed, ..CloneSource::default() };
+    let copies = Some(Symmetry { kind: SymmetryKind::Point, centre_m: [90.0, 80.0] });
     vec![
+        stroke(clone(CloneBlend::Laplacian, CloneSource::default()), &LOOP),
+        stroke(clone(CloneBlend::MeanShifted, turned.clone()), &LOOP[..4]),
+        stroke(clone(CloneBlend::Feathered, fixed), &LOOP[2..]),
+        stroke(Brush { symmetry: copies, ..Brush::new(BrushType::Grab, 40.0, 0.8) }, &LOOP[1..3]),
+        Operation::Fill {
+            brush: Brush { gate: gated.gate.clone(), ..clone(CloneBlend::Laplacian, turned) },
+            seed: 0,
+            region: SampleRect::new(50, 5, 140, 120),
+        },
         stroke(smooth(SmoothMethod::Gaussian, Blending::BuildUp, 2.5), &LOOP),
         stroke(sharpen, &LOOP[..4]),
         stroke(gated, &LOOP),

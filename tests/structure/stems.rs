@@ -26,6 +26,7 @@ const PLACES: [Place; 4] = [
         exceptions: &[
             ("main", "lists the stages' tests"),
             ("agreement", "compares the back ends for every stage"),
+            ("cloning", "compares the back ends for what `blend` pulls the ground to"),
             ("erosion", "compares the back ends for what `blend` pulls the ground to"),
             ("centre_line", "holds what a strength means, for every profile"),
             ("numpy", "compares what all stages share with NumPy"),
@@ -41,6 +42,7 @@ const STEP_PLACES: [Place; 3] = [
         extension: "rs",
         exceptions: &[
             MODULE,
+            ("between", "values between samples, for those that look there"),
             ("coarsen", "makes coarser levels, on the CPU"),
             ("fill_pits", "works on a whole region at once, on the CPU"),
             ("flow", "works on a whole region at once, on the CPU"),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use orogeny_field::{Bitmap, FieldId, PageLayout, TerrainGrid};
 
+use crate::filter::cloning::CloneGround;
 use crate::kernels::custom::CustomProgram;
 
 /// What is painted on.
@@ -39,6 +40,8 @@ pub struct Resources {
     pub alpha: Option<Arc<Bitmap>>,
     /// The kernel that its user wrote.
     pub custom: Option<Arc<CustomProgram>>,
+    /// The ground that it clones.
+    pub clone_ground: Option<CloneGround>,
     /// The picture of its gate.
     pub gate_image: Option<Arc<Bitmap>>,
     /// The picture of its noise's roughness.

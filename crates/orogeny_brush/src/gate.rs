@@ -57,6 +57,11 @@ impl GatePlan {
         Ok(Self { gate: gate.clone(), noise, image, grid, heights, selection })
     }
 
+    /// The heights that it looks at.
+    pub(crate) const fn heights(&self) -> FieldId {
+        self.heights
+    }
+
     /// Loads what the weights of a page are made of.
     pub(crate) fn load(&self, key: &PageKey, store: &mut dyn PageStore) -> Result<GateInput> {
         let ground = if self.gate.needs_heights() { Some(self.ground(key, store)?) } else { None };

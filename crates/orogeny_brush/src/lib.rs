@@ -36,6 +36,7 @@ pub use error::{Error, Result};
 pub use execute::{Executor, Notices, PageMemory, Watch};
 pub use executor_cpu::CpuExecutor;
 pub use executor_gpu::{BrushUniform, GpuBudget, GpuExecutor};
+pub use filter::CloneGround;
 
 pub use gate::GatePlan;
 pub use kernels::custom::{CustomProgram, CustomRule};

@@ -17,8 +17,14 @@ pub(crate) struct Image {
 
 impl Image {
     /// Everything where it is.
-    const IDENTITY: Self =
+    pub(crate) const IDENTITY: Self =
         Self { columns: [[1.0, 0.0], [0.0, 1.0]], centre: [0.0, 0.0], is_reflection: false };
+
+    /// What undoes it.
+    pub(crate) const fn inverse(&self) -> Self {
+        let [[xx, xz], [zx, zz]] = self.columns;
+        Self { columns: [[xx, zx], [xz, zz]], ..*self }
+    }
 
     /// What a way becomes.
     pub(crate) fn way(&self, [x, z]: [f64; 2]) -> [f64; 2] {

@@ -7,6 +7,7 @@ use orogeny_field::{Brush, BrushType, PageLayout, Stroke, TerrainGrid};
 use orogeny_pages::PageStore as _;
 use orogeny_store::{EntryId, Layer, Recording};
 
+use crate::clone_source;
 use crate::pages::RecordedPages;
 use crate::progress::report;
 use crate::resources;
@@ -171,7 +172,8 @@ fn apply_one(
 ) -> Result<Applied> {
     let start = Instant::now();
     let layer = find_layer(recording.layers(), operation.layer())?.clone();
-    let (brush, resources) = resources::load(operation.brush(), recording)?;
+    let (mut brush, mut resources) = resources::load(operation.brush(), recording)?;
+    resources.clone_ground = clone_source::load(operation, &mut brush, &layer, &site.grid, recording)?;
     let operation = &operation.clone().with_brush(resolved(&brush));
     let canvas = canvas(operation, &layer, site, recording)?;
     let mut pages = RecordedPages::new(recording, site.layout);
@@ -184,7 +186,7 @@ fn apply_one(
                 Some(region_m) => site.grid.samples_in_region(*region_m)?,
                 None => site.grid.bounds(),
             };
-            let batch = plan_fill(brush, *seed, canvas, resources, region)?;
+            let batch = plan_fill(brush, *seed, canvas, resources, region, &mut pages)?;
             let total = batch.pages.len() as u64;
             run_batch(batch, executor, &mut pages, |done| report(observer, "filling", done, total))
         }
@@ -207,6 +209,7 @@ fn apply_one(
 fn needs_selection(brush: &Brush) -> bool {
     let gates = [brush.gate.as_deref(), brush.noise.roughness.as_deref()];
     gates.into_iter().flatten().any(|gate| gate.selection)
+        || (brush.brush_type == BrushType::Clone && brush.cloning.source.is_selected_only)
 }
 
 /// What an operation paints on. Makes the mask or the selection that it needs.

@@ -122,6 +122,12 @@ fn parameter_schema(parameter: &Parameter) -> Value {
             "maxItems": default.len(),
             "default": default,
         }),
+        ParameterKind::NumberList { min, max, max_count } => json!({
+            "type": "array",
+            "items": { "type": "number", "minimum": min, "maximum": max },
+            "maxItems": max_count,
+        }),
+        ParameterKind::Layer => json!({ "type": ["string", "integer"] }),
         ParameterKind::Curve { y: (low, high), .. } => json!({
             "type": "array",
             "minItems": 2,

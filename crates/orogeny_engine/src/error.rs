@@ -73,6 +73,14 @@ pub enum Error {
         /// The terrain's extent along z, metres.
         depth_m: f64,
     },
+    /// Ground that cannot be cloned.
+    #[error("`{}` cannot be cloned: {detail}", path.display())]
+    CloneSource {
+        /// The file.
+        path: PathBuf,
+        /// Why not, and what to do.
+        detail: String,
+    },
     /// A raster whose samples lie at another distance than the terrain's.
     #[error(
         "`{}` has a sample every {raster_m} m, the terrain every {terrain_m} m; to take its samples one for one, give \

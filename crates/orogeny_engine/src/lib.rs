@@ -26,6 +26,7 @@ mod access;
 mod apply;
 mod backend;
 mod brushes;
+mod clone_source;
 mod composite;
 mod custom;
 mod description;
@@ -56,8 +57,10 @@ pub use error::{Error, Result};
 pub use export::{ExportRequest, ExportSummary};
 pub use import::{ImportRequest, ImportSummary};
 pub use map::{MapRequest, MapSummary};
-pub use operation::{LayerReference, Operation, Recipe, Target};
-pub use orogeny_field::{BrushType, PageKey, Parameter, ParameterKind, SampleRect, TerrainGrid};
+pub use operation::{Operation, Recipe, Target};
+pub use orogeny_field::{
+    BrushType, LayerReference, PageKey, Parameter, ParameterKind, SampleRect, TerrainGrid,
+};
 pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,
 };

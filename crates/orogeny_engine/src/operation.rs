@@ -2,22 +2,12 @@
 
 use std::path::Path;
 
-use orogeny_field::{Brush, PointerSample, Stroke};
+use orogeny_field::{Brush, LayerReference, PointerSample, Stroke};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::resources;
 use crate::{Error, Presets, Result};
-
-/// A layer, by its id or its name.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum LayerReference {
-    /// What a recorded operation holds: ids never change.
-    Id(u32),
-    /// What people write.
-    Name(String),
-}
 
 /// Which field of a layer, or of the terrain, is changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

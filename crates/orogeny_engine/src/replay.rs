@@ -88,9 +88,11 @@ impl Terrain {
                 serde_json::from_value(value).map_err(|err| cannot(err.to_string()))?;
             return self.replay_import(source, entry, import, layer_ids, observer);
         }
-        if let Some(layer) = value.get_mut("layer") {
-            let id = layer.as_u64().and_then(|id| layer_ids.get(&u32::try_from(id).ok()?));
-            *layer = (*id.ok_or_else(|| cannot(format!("its layer {layer} does not exist")))?).into();
+        for place in ["/layer", "/brush/source/layer"] {
+            if let Some(layer) = value.pointer_mut(place) {
+                let id = layer.as_u64().and_then(|id| layer_ids.get(&u32::try_from(id).ok()?));
+                *layer = (*id.ok_or_else(|| cannot(format!("its layer {layer} does not exist")))?).into();
+            }
         }
         let mut operation = Operation::from_json(value).map_err(|err| cannot(err.to_string()))?;
         let folder = tempfile::tempdir().map_err(|err| cannot(err.to_string()))?;

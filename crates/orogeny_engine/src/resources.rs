@@ -9,6 +9,7 @@ use orogeny_field::{Bitmap, Brush, DataSource, Gate};
 use orogeny_shaders::custom::compile_custom;
 use orogeny_store::{BlobHash, Recording, Store};
 
+use crate::clone_source;
 use crate::{Error, Result};
 
 /// The most bytes of a picture for a brush.
@@ -55,6 +56,7 @@ fn sources(brush: &mut Brush) -> impl Iterator<Item = &mut DataSource> {
     let all = [
         brush.alpha.as_mut().map(|alpha| &mut alpha.source),
         brush.custom.as_mut().map(|custom| &mut custom.source),
+        brush.cloning.source.data.as_mut(),
         image_of(brush.gate.as_deref_mut()),
         image_of(brush.noise.roughness.as_deref_mut()),
     ];
@@ -87,7 +89,8 @@ pub(crate) fn resolve_files(brush: &mut Brush, folder: &Path) {
 pub(crate) fn unpack(brush: &mut Brush, source: &Store, folder: &Path) -> Result<()> {
     for data in sources(brush) {
         let DataSource::Blake3(name) = data else { continue };
-        let path = folder.join(&*name);
+        // The ending tells what is cloned what it is; all else is told by its content.
+        let path = folder.join(&*name).with_extension(clone_source::ENDING);
         let failed = |source| Error::Write { path: path.clone(), source };
         let mut file = std::fs::File::create(&path).map_err(failed)?;
         source.read_blob(&hash_of(name)?, &mut file)?;
@@ -138,6 +141,14 @@ impl Data {
             }
         }
     }
+}
+
+/// The bytes of data that the terrain keeps, or of a file.
+///
+/// # Errors
+/// [`Error::TooLong`], [`Error::Store`], [`Error::Read`].
+pub(crate) fn kept(source: &DataSource, limit: u64, recording: &mut Recording<'_>) -> Result<Vec<u8>> {
+    Ok(Data::of(source, limit, recording)?.bytes)
 }
 
 /// Reads a file that is not too long.

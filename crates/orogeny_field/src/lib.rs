@@ -26,6 +26,7 @@ mod drainage;
 mod erosion;
 mod error;
 mod filter;
+mod grab;
 mod grid;
 pub mod hash;
 mod height;
@@ -33,17 +34,18 @@ mod instance;
 mod level;
 pub mod noise;
 mod page;
+mod placement;
 mod plane;
 mod rect;
 mod stroke;
 
 pub use bitmap::{Bitmap, MAX_BITMAP_SIDE};
 pub use brush::{
-    Alpha, AlphaRotation, AspectGate, Band, Blending, Brush, BrushType, Coverage, Custom, DataSource,
-    Dynamics, Falloff, FalloffFormula, Gate, GateImage, HeightRange, Jitter, LedgeDirection, LevelOnly,
-    NoiseGate, PARAMETERS, Parameter, ParameterKind, PressureTarget, Profile, ProfileShape, RampAlong,
-    RangeFormula, RangeMap, RangeMapping, SmoothMethod, Smoothing, Stamp, StampMode, Symmetry, SymmetryKind,
-    Terrace, TerraceSteps,
+    Alignment, Alpha, AlphaRotation, AspectGate, Band, Blending, Brush, BrushType, CloneBlend, CloneSource,
+    Cloning, Coverage, Custom, DataSource, Dynamics, Falloff, FalloffFormula, Gate, GateImage, HeightRange,
+    Jitter, LayerReference, LedgeDirection, LevelOnly, MAX_PYRAMID_LEVELS, NoiseGate, PARAMETERS, Parameter,
+    ParameterKind, PressureTarget, Profile, ProfileShape, RampAlong, RangeFormula, RangeMap, RangeMapping,
+    SmoothMethod, Smoothing, Stamp, StampMode, Symmetry, SymmetryKind, Terrace, TerraceSteps,
 };
 pub use curve::{CURVE_TABLE_LENGTH, Curve, CurveTable, MAX_CURVE_POINTS};
 pub use drainage::{FillPits, FlowMask, FlowRouting};
@@ -54,11 +56,13 @@ pub use erosion::{
 };
 pub use error::{Error, Result};
 pub use filter::{PYRAMID_PHASES, PYRAMID_WEIGHTS, PhaseWeights, b_spline_phases, gaussian_weights};
+pub use grab::{Drag, GrabKernel};
 pub use grid::{MAX_SIDE_SAMPLES, MAX_SPACING_M, MIN_SPACING_M, TerrainGrid};
 pub use height::{MAX_HEIGHT_M, check_height, is_storable_height, sanitized_height};
 pub use instance::{Footprint, Instance, WeightMode};
 pub use level::{HeightBounds, rect_above, rect_below};
 pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
+pub use placement::{Place, Placement, Placing};
 pub use plane::{Plane, mirrored};
 pub use rect::SampleRect;
 pub use stroke::{MAX_COORDINATE_SAMPLES, MAX_STROKE_POINTS, PointerSample, Stroke};

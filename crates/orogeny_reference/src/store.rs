@@ -26,6 +26,15 @@ pub fn lerp(a: f32, b: f32, w: f32) -> f32 {
     a + w * (b - a)
 }
 
+/// A height pulled to a goal by an amount, 0..1: by 1 to the goal itself. What is between two heights never leaves them,
+/// however it is rounded.
+#[inline(always)]
+#[must_use]
+pub fn pulled(height: f32, goal: f32, amount: f32) -> f32 {
+    let between = lerp(height, goal, amount).max(height.min(goal)).min(height.max(goal));
+    if amount == 1.0 { goal } else { between }
+}
+
 /// What a height may be pulled to where it may only go one way.
 #[inline(always)]
 #[must_use]

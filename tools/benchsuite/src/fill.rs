@@ -1,8 +1,8 @@
 //! A brush as users have it, applied to a whole square of resident pages through the CPU back end.
 
 use anyhow::Result;
-use orogeny_brush::{Batch, Canvas, CpuExecutor, Executor as _, Resources, plan_fill};
-use orogeny_field::{Brush, FieldId, PageLayout, TerrainGrid};
+use orogeny_brush::{Batch, Canvas, CloneGround, CpuExecutor, Executor as _, Resources, plan_fill};
+use orogeny_field::{Brush, BrushType, FieldId, PageLayout, TerrainGrid};
 use orogeny_pages::MemoryPages;
 
 use crate::measure::Times;
@@ -26,7 +26,13 @@ impl Fill {
         let layout = PageLayout::default();
         let grid = TerrainGrid::new(side, side, spacing_m)?;
         let canvas = Canvas::heights(grid, layout, FieldId(0));
-        let plan = |brush| plan_fill(brush, 3, canvas, Resources::default(), grid.bounds());
+        let mut store = MemoryPages::new(layout, 0.0);
+        let mut plan = |brush: &Brush| {
+            let clone_ground =
+                (brush.brush_type == BrushType::Clone).then_some(CloneGround::Field(canvas.field));
+            let resources = Resources { clone_ground, ..Resources::default() };
+            plan_fill(brush, 3, canvas, resources, grid.bounds(), &mut store)
+        };
         let executor = CpuExecutor::new(layout, 1 << 30, Some(num_threads))?;
         let mut fill = Self { executor, pages: MemoryPages::new(layout, 0.0), pieces: Vec::new() };
         if let Some(ground) = ground {

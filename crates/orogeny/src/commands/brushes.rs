@@ -109,6 +109,11 @@ fn values_and_default(parameter: &Parameter) -> (String, String) {
             let range = format!("{} numbers, each {} to {}{unit}", default.len(), number(min), number(max));
             (range, numbers.join(", "))
         }
+        ParameterKind::NumberList { min, max, max_count } => {
+            let (low, high) = (number(min), number(max));
+            (format!("up to {max_count} numbers, each {low} to {high}{unit}"), none())
+        }
+        ParameterKind::Layer => ("a layer's name or id".to_owned(), none()),
         ParameterKind::Curve { x: (left, right), y: (low, high) } => {
             (format!("points [[x, y], …], x from {left} to {right}, y within {low} to {high}"), none())
         }

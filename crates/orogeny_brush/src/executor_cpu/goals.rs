@@ -1,13 +1,13 @@
 //! What filters make of the ground, block by block, on its way to the pages.
 
-use orogeny_field::{Page, PageKey, Plane, SampleRect};
+use orogeny_field::{FieldId, Page, PageKey, Plane, SampleRect};
 use orogeny_pages::PageStore;
 use rayon::prelude::*;
 
-use super::CpuExecutor;
+use super::{CpuExecutor, weights};
 use crate::Result;
 use crate::execute::Watch;
-use crate::filter::{self, Block, Filter};
+use crate::filter::{self, Block, Filter, Step};
 use crate::plan::Batch;
 
 impl CpuExecutor {
@@ -26,8 +26,8 @@ impl CpuExecutor {
         for blocks in blocks.chunks(num_at_once) {
             let mut goals = Vec::with_capacity(blocks.len());
             for block in blocks {
-                let heights = |plane| self.gather(plane, filter, batch, store);
-                goals.push(planes.work_out(&self.threads, &filter.graph, block.rect, heights, watch)?);
+                let given = |step: &Step, plane| self.given(step, plane, filter, batch, store);
+                goals.push(planes.work_out(&self.threads, &filter.graph, block.rect, given, watch)?);
             }
             for (Block { pages, .. }, goal) in blocks.iter().zip(goals) {
                 self.apply(batch, pages, Some(&goal), store)?;
@@ -38,15 +38,40 @@ impl CpuExecutor {
         Ok(())
     }
 
-    /// The ground of a rectangle, as the filter wants it.
-    fn gather(
+    /// What a graph is made of, over the rectangle of a plane.
+    fn given(
         &self,
+        step: &Step,
         mut plane: Plane,
         filter: &Filter,
         batch: &Batch,
         store: &mut dyn PageStore,
     ) -> Result<Plane> {
-        let is_now_wanted = |key: &PageKey| filter.is_sequential || !self.changed.contains(key);
+        match step {
+            Step::Heights => self.gather(plane, batch.pass.field, filter.is_sequential, store),
+            Step::Field(field) => self.gather(plane, *field, false, store),
+            Step::Raster(raster) => {
+                self.threads.install(|| copy(&[(raster.rect(), Rows::Plane(raster))], &mut plane));
+                Ok(plane)
+            }
+            Step::Weights(weights) => {
+                let gate = weights.pages_let_through(&plane.rect(), store)?;
+                self.threads.install(|| weights::fill(&mut plane, weights, &gate));
+                Ok(plane)
+            }
+            _ => Ok(plane),
+        }
+    }
+
+    /// The ground of a rectangle, as it is now or as it was before the operation.
+    fn gather(
+        &self,
+        mut plane: Plane,
+        field: FieldId,
+        wants_now: bool,
+        store: &mut dyn PageStore,
+    ) -> Result<Plane> {
+        let is_now_wanted = |key: &PageKey| wants_now || !self.changed.contains(key);
         let here = |key: &PageKey| {
             let page = self.resident.peek(key)?;
             let before = page.wash.as_ref().map(|wash| &wash.before);
@@ -55,7 +80,7 @@ impl CpuExecutor {
         // Only what is not here is loaded.
         let mut loaded = Vec::new();
         for (x, z) in self.layout.pages_in(plane.rect()) {
-            let key = PageKey::full_resolution(batch.pass.field, x, z);
+            let key = PageKey::full_resolution(field, x, z);
             let page = match here(&key) {
                 Some(_) => None,
                 None => Some(self.load(&key, store, |store, key| {
@@ -64,10 +89,10 @@ impl CpuExecutor {
             };
             loaded.push((key, page));
         }
-        let pages: Vec<(SampleRect, &Page)> = (loaded.iter())
+        let pages: Vec<(SampleRect, Rows<'_>)> = (loaded.iter())
             .filter_map(|(key, page)| {
                 let page = page.as_ref().or_else(|| here(key))?;
-                Some((self.layout.page_rect(key), page))
+                Some((self.layout.page_rect(key), Rows::Page(page)))
             })
             .collect();
         self.threads.install(|| copy(&pages, &mut plane));
@@ -75,19 +100,36 @@ impl CpuExecutor {
     }
 }
 
-/// Copies what pages have of a plane into it.
-fn copy(pages: &[(SampleRect, &Page)], plane: &mut Plane) {
+/// Something that has samples of a rectangle.
+#[derive(Clone, Copy)]
+enum Rows<'a> {
+    Page(&'a Page),
+    Plane(&'a Plane),
+}
+
+impl<'a> Rows<'a> {
+    /// Samples of a row, counted from the first one there.
+    fn part(self, z: u32, x0: u32, x1: u32) -> Option<&'a [f32]> {
+        match self {
+            Self::Page(page) => page.row(z, x0, x1),
+            Self::Plane(plane) => {
+                plane.row(plane.rect().z0.saturating_add_unsigned(z))?.get(x0 as usize..x1 as usize)
+            }
+        }
+    }
+}
+
+/// Copies what others have of a plane into it.
+fn copy(others: &[(SampleRect, Rows<'_>)], plane: &mut Plane) {
     let rect = plane.rect();
     let width = rect.width() as usize;
     plane.samples_mut().par_chunks_mut(width.max(1)).enumerate().with_min_len(64).for_each(|(row, to)| {
         let z = rect.z0 + row as i32;
-        for (page_rect, page) in
-            pages.iter().filter(|(page_rect, _)| (page_rect.z0..page_rect.z1).contains(&z))
-        {
-            let both = rect.intersection(page_rect);
-            let (x0, x1) = (both.x0.abs_diff(page_rect.x0), both.x1.abs_diff(page_rect.x0));
+        for (there, other) in others.iter().filter(|(there, _)| (there.z0..there.z1).contains(&z)) {
+            let both = rect.intersection(there);
+            let (x0, x1) = (both.x0.abs_diff(there.x0), both.x1.abs_diff(there.x0));
             let first = both.x0.abs_diff(rect.x0) as usize;
-            let from = page.row(z.abs_diff(page_rect.z0), x0, x1);
+            let from = other.part(z.abs_diff(there.z0), x0, x1);
             if let (Some(from), Some(to)) = (from, to.get_mut(first..first + both.width() as usize)) {
                 to.copy_from_slice(from);
             }

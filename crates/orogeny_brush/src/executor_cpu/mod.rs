@@ -5,6 +5,8 @@
 
 mod goals;
 mod planes;
+mod steps;
+mod weights;
 mod working_page;
 
 use std::collections::BTreeSet;

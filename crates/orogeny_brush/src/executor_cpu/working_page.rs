@@ -256,7 +256,7 @@ impl Wash {
 
 /// The columns of a row of `rect` that may lie within an instance's radius. Errs on the side of one sample more, whose
 /// weight is then exactly 0.
-fn chord(instance: &Instance, rect: &SampleRect, z: i32) -> (i32, i32) {
+pub(super) fn chord(instance: &Instance, rect: &SampleRect, z: i32) -> (i32, i32) {
     if instance.inverse_radius <= 0.0 || instance.inverse_segment_squared > 0.0 {
         return (rect.x0, rect.x1);
     }

@@ -1,12 +1,13 @@
 //! What filters make of the ground, block by block, on its way to the pages.
 
-use orogeny_field::{PageKey, SampleRect};
+use orogeny_field::{FieldId, PageKey, Plane, SampleRect};
+use orogeny_gpu::Gpu;
 use orogeny_pages::PageStore;
 
 use super::planes::GpuPlane;
 use super::{GpuExecutor, Shared};
 use crate::execute::Watch;
-use crate::filter::{self, Filter};
+use crate::filter::{self, Filter, Step};
 use crate::plan::Batch;
 use crate::{Error, Result};
 
@@ -48,22 +49,30 @@ impl GpuExecutor {
         store: &mut dyn PageStore,
         watch: Watch<'_>,
     ) -> Result<GpuPlane> {
-        let rects = filter.graph.plan(rect);
-        let ground = rects.first().copied().unwrap_or(SampleRect::EMPTY);
-        let keys: Vec<_> = (self.layout.pages_in(ground))
-            .map(|(x, z)| PageKey::full_resolution(batch.pass.field, x, z))
-            .collect();
-        self.await_pages(&keys, store)?;
-        let mut encoder = self.encoder();
-        let heights = self.planes.plane(&self.gpu, ground, 1)?;
-        self.gather(&mut encoder, &heights, &keys, filter.is_sequential, store)?;
+        let graph = &*filter.graph;
+        let rects = graph.plan(rect);
         let num_nodes = rects.len();
-        let nothing_made = heights.clone();
-        let mut made = vec![Some(heights)];
+        let mut encoder = self.encoder();
+        let mut made = Vec::with_capacity(num_nodes);
         let mut work = 0;
-        for (place, rect) in rects.iter().enumerate().skip(1) {
-            let graph = (&*filter.graph, rects.as_slice());
-            self.planes.record(&self.gpu, &mut encoder, graph, place, &mut made)?;
+        for (place, (node, rect)) in graph.nodes().iter().zip(&rects).enumerate() {
+            let plane = match &node.step {
+                Step::Heights => {
+                    let field = batch.pass.field;
+                    self.ground(&mut encoder, *rect, field, filter.is_sequential, store)?
+                }
+                Step::Field(field) => self.ground(&mut encoder, *rect, *field, false, store)?,
+                Step::Raster(raster) => self.raster(&mut encoder, *rect, raster)?,
+                Step::Weights(weights) => self.weights(&mut encoder, *rect, weights, store)?,
+                _ => self.planes.record(&self.gpu, &mut encoder, graph, place, *rect, &made)?,
+            };
+            made.push(Some(plane));
+            // What no later plane is made of gives its memory back.
+            for input in graph.done_with(place) {
+                if let Some(plane) = made.get_mut(input).and_then(Option::take) {
+                    self.planes.give_back(plane);
+                }
+            }
             work += rect.area();
             // In steps that no driver takes for hung, with a look in between at whether to go on.
             if work > STEP_SAMPLES {
@@ -75,23 +84,29 @@ impl GpuExecutor {
             }
         }
         self.submit(encoder)?;
-        // The last plane has no reader that could have taken it.
-        Ok(made.pop().flatten().unwrap_or(nothing_made))
+        match made.pop().flatten() {
+            // It has no reader that could have taken it.
+            Some(last) => Ok(last),
+            None => self.planes.plane(&self.gpu, SampleRect::EMPTY, 1),
+        }
     }
 
-    /// Records the copies of pages into a plane: from textures where they are resident in the state that is wanted, else from
-    /// memory.
-    fn gather(
-        &self,
+    /// Records a plane of the ground, as it is now or as it was before the operation: copies from textures where pages are
+    /// resident in that state, else from memory.
+    fn ground(
+        &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        plane: &GpuPlane,
-        keys: &[PageKey],
+        rect: SampleRect,
+        field: FieldId,
         wants_now: bool,
         store: &mut dyn PageStore,
-    ) -> Result<()> {
-        let mut rows = Vec::new();
-        let mut places = Vec::new();
-        for key in keys {
+    ) -> Result<GpuPlane> {
+        let plane = self.planes.plane(&self.gpu, rect, 1)?;
+        let keys: Vec<_> =
+            self.layout.pages_in(rect).map(|(x, z)| PageKey::full_resolution(field, x, z)).collect();
+        self.await_pages(&keys, store)?;
+        let mut rows = Rows::default();
+        for key in &keys {
             let page_rect = self.layout.page_rect(key);
             let both = plane.rect.intersection(&page_rect);
             let is_now_wanted = wants_now || !self.changed.contains(key);
@@ -99,32 +114,77 @@ impl GpuExecutor {
                 if is_now_wanted { self.heights.texture(key) } else { self.scratch.before_texture(key) };
             let first = [both.x0.abs_diff(page_rect.x0), both.z0.abs_diff(page_rect.z0)];
             if let Some((texture, layer)) = resident {
-                copy_from_texture(encoder, texture, layer, first, plane, &both);
+                copy_from_texture(encoder, texture, layer, first, &plane, &both);
                 continue;
             }
             let loaded = if is_now_wanted { store.load(key) } else { store.load_before(key) };
             let loaded = loaded.map_err(orogeny_pages::Error::Source)?;
-            let width = both.width() as usize;
             for z in both.z0..both.z1 {
-                places.push((rows.len(), plane.offset(both.x0, z), width));
                 let row = loaded
                     .as_ref()
                     .and_then(|page| page.row(z.abs_diff(page_rect.z0), first[0], first[0] + both.width()));
                 match row {
-                    Some(row) => rows.extend_from_slice(row),
-                    None => rows.resize(rows.len() + width, store.constant(key.field)),
+                    Some(row) => rows.add(&plane, both.x0, z, row.iter().copied()),
+                    None => {
+                        let constant = store.constant(key.field);
+                        rows.add(&plane, both.x0, z, std::iter::repeat_n(constant, both.width() as usize));
+                    }
                 }
             }
         }
-        if rows.is_empty() {
+        rows.record(&self.gpu, encoder, &plane)?;
+        Ok(plane)
+    }
+
+    /// Records a plane of data from outside.
+    fn raster(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        rect: SampleRect,
+        raster: &Plane,
+    ) -> Result<GpuPlane> {
+        let plane = self.planes.plane(&self.gpu, rect, 1)?;
+        let mut rows = Rows::default();
+        let first = rect.x0.abs_diff(raster.rect().x0) as usize;
+        for z in rect.z0..rect.z1 {
+            let row = raster.row(z).and_then(|row| row.get(first..first + rect.width() as usize));
+            rows.add(&plane, rect.x0, z, row.unwrap_or_default().iter().copied());
+        }
+        rows.record(&self.gpu, encoder, &plane)?;
+        Ok(plane)
+    }
+}
+
+/// Rows on their way into a plane, as one buffer and a copy for each.
+#[derive(Default)]
+pub(super) struct Rows {
+    values: Vec<f32>,
+    /// Where each lies here, where in the plane in bytes, and how many values it has.
+    places: Vec<(usize, u64, usize)>,
+}
+
+impl Rows {
+    pub(super) fn add(&mut self, plane: &GpuPlane, x: i32, z: i32, row: impl Iterator<Item = f32>) {
+        let first = self.values.len();
+        self.values.extend(row);
+        self.places.push((first, plane.offset(x, z), self.values.len() - first));
+    }
+
+    pub(super) fn record(
+        self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        plane: &GpuPlane,
+    ) -> Result<()> {
+        if self.values.is_empty() {
             return Ok(());
         }
         let usage = wgpu::BufferUsages::COPY_SRC;
         let staging =
-            self.gpu.create_buffer_with("orogeny.brush.ground", usage, bytemuck::cast_slice(&rows))?;
-        for (place, offset, width) in places {
-            let size = width as u64 * 4;
-            encoder.copy_buffer_to_buffer(&staging, place as u64 * 4, &plane.buffer, offset, size);
+            gpu.create_buffer_with("orogeny.brush.ground", usage, bytemuck::cast_slice(&self.values))?;
+        for (first, offset, length) in self.places {
+            let size = length as u64 * 4;
+            encoder.copy_buffer_to_buffer(&staging, first as u64 * 4, &plane.buffer, offset, size);
         }
         Ok(())
     }

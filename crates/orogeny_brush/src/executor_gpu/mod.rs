@@ -8,11 +8,12 @@ mod goals;
 mod planes;
 mod resident;
 mod uniforms;
+mod weights;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use orogeny_field::{Bitmap, Page, PageKey, PageLayout, WeightMode};
+use orogeny_field::{Bitmap, FieldId, Page, PageKey, PageLayout, WeightMode};
 use orogeny_gpu::{Gpu, ReadBack, ReadbackBelt};
 use orogeny_pages::{AtlasLimits, PageStore, Slot};
 
@@ -32,6 +33,8 @@ const STEP_BYTES: u64 = 16 << 20;
 const STEP_INDICES: usize = 256 << 10;
 /// Operations of a kernel that [`STEP_INDICES`] is meant for.
 const USUAL_OPERATIONS: u64 = 50;
+/// Of what is cut into pages and is none.
+const NO_FIELD: FieldId = FieldId(u32::MAX);
 /// Pages a gated wash needs at once: its heights, its heights from before, its weights and its gate.
 const SMALLEST_BUDGET_PAGES: u64 = 4;
 
@@ -94,7 +97,7 @@ fn max_indices(pass: &Pass) -> usize {
 }
 
 fn constants(pass: &Pass, own: &OwnData) -> Vec<(&'static str, u32)> {
-    uniforms::constants(pass).into_iter().chain(own.constants.iter().copied()).collect()
+    uniforms::constants(pass).chain(own.constants.iter().copied()).collect()
 }
 
 /// What a page on its way back is.
@@ -299,15 +302,29 @@ impl GpuExecutor {
         store.save(heights).map_err(|err| orogeny_pages::Error::Source(err).into())
     }
 
-    /// Uploads what all tiles of a batch share.
-    fn share(&mut self, batch: &Batch) -> Result<Shared> {
-        let storage = wgpu::BufferUsages::STORAGE;
-        let own = uniforms::own_data(batch);
-        if let Some(bitmap) = batch.pass.bitmap()
+    /// Uploads a picture, unless it is the one that was last used.
+    fn use_alpha(&mut self, bitmap: Option<&Arc<Bitmap>>) -> Result<()> {
+        if let Some(bitmap) = bitmap
             && !self.alpha.as_ref().is_some_and(|(known, _)| Arc::ptr_eq(known, bitmap))
         {
             self.alpha = Some((Arc::clone(bitmap), bitmap_view(&self.gpu, bitmap)?));
         }
+        Ok(())
+    }
+
+    /// The picture that was last used, or one of a single pixel where there is none.
+    fn alpha_view(&self, bitmap: Option<&Arc<Bitmap>>) -> &wgpu::TextureView {
+        match &self.alpha {
+            Some((_, view)) if bitmap.is_some() => view,
+            _ => &self.no_alpha,
+        }
+    }
+
+    /// Uploads what all tiles of a batch share.
+    fn share(&mut self, batch: &Batch) -> Result<Shared> {
+        let storage = wgpu::BufferUsages::STORAGE;
+        let own = uniforms::own_data(batch);
+        self.use_alpha(batch.pass.bitmap())?;
         let uniform = BrushUniform::from(&batch.pass);
         let usage = wgpu::BufferUsages::UNIFORM;
         let own_buffers = (own.uniforms.iter().map(|bytes| (usage, bytes)))
@@ -379,10 +396,7 @@ impl GpuExecutor {
         // A page that has a slot has its texture.
         let Some(heights) = self.heights.view(arrays.heights) else { return Ok(()) };
         let (before, weights) = self.scratch.views(arrays.scratch);
-        let alpha = match &self.alpha {
-            Some((_, view)) if batch.pass.bitmap().is_some() => view,
-            _ => &self.no_alpha,
-        };
+        let alpha = self.alpha_view(batch.pass.bitmap());
         let mut resources = vec![
             shared.uniform.as_entire_binding(),
             wgpu::BindingResource::TextureView(alpha),

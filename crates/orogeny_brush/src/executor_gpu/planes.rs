@@ -3,8 +3,9 @@
 use orogeny_field::SampleRect;
 use orogeny_gpu::Gpu;
 
-use crate::filter::kernels::{PlaneUniform, StepUniform};
-use crate::filter::{Graph, Step};
+use crate::filter::kernels::{InputUniform, PlaneUniform, StepUniform};
+use crate::filter::{Graph, MAX_INPUTS};
+use crate::kernels::OwnData;
 use crate::{Error, Result};
 
 /// Samples a side of a workgroup.
@@ -86,42 +87,48 @@ impl GpuPlanes {
         self.pool.iter().map(wgpu::Buffer::size).sum()
     }
 
-    /// Records the step that makes plane number `place` of a graph, whose planes have the rectangles that it planned; those before it
-    /// are there. Gives back the memory of those that no later step reads.
+    /// Records the step that makes plane number `place` of a graph over a rectangle; those that it is made of are there.
     pub(super) fn record(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        (graph, rects): (&Graph, &[SampleRect]),
+        graph: &Graph,
         place: usize,
-        made: &mut Vec<Option<GpuPlane>>,
-    ) -> Result<()> {
-        let (Some(node), Some(rect)) = (graph.nodes().get(place), rects.get(place)) else { return Ok(()) };
-        let plane = self.plane(gpu, *rect, node.step.num_channels())?;
-        let input = |number: usize| {
-            let place = node.inputs.get(number)?;
-            Some((made.get(*place)?.as_ref()?, graph.nodes().get(*place)?))
-        };
-        if let (Some(stem), Some((first, first_node))) = (node.step.stem(), input(0)) {
-            let second = input(1).map_or(first, |(second, _)| second);
+        rect: SampleRect,
+        made: &[Option<GpuPlane>],
+    ) -> Result<GpuPlane> {
+        let node = graph.nodes().get(place);
+        let plane = self.plane(gpu, rect, node.map_or(1, |node| node.step.num_channels()))?;
+        let Some(node) = node.filter(|_| !rect.is_empty()) else { return Ok(plane) };
+        let inputs: Vec<_> = (node.inputs.iter())
+            .filter_map(|input| Some((made.get(*input)?.as_ref()?, graph.given_extent(*input))))
+            .collect();
+        // A step that is made of nothing has something bound there all the same, which it does not read.
+        let nothing = if inputs.is_empty() { Some(self.plane(gpu, SampleRect::EMPTY, 1)?) } else { None };
+        let first = inputs.first().copied().or_else(|| Some((nothing.as_ref()?, None)));
+        if let (Some(stem), Some(first)) = (node.step.stem(), first) {
+            let input = |number: usize| inputs.get(number).copied().unwrap_or(first);
+            let bound: [_; MAX_INPUTS] = std::array::from_fn(input);
             let uniform = StepUniform {
                 result: plane.uniform(),
-                first: first.uniform(),
-                second: second.uniform(),
+                inputs: bound.map(|(plane, extent)| InputUniform {
+                    plane: plane.uniform(),
+                    extent: extent.unwrap_or_default(),
+                    padding: [0; 2],
+                }),
                 size: [rect.width(), rect.depth()],
                 extent: graph.extent(),
-                is_mirrored: u32::from(first_node.step == Step::Heights),
                 phase: node.step.phase(),
+                padding: 0,
             };
-            dispatch(gpu, encoder, stem, &node.step, &uniform, [first, second, &plane])?;
+            let [first, second, third, fourth] = bound.map(|(plane, _)| &plane.buffer);
+            let own = node.step.data(&rect, inputs.len());
+            dispatch(gpu, encoder, stem, &own, &uniform, [first, second, third, fourth, &plane.buffer])?;
         }
-        made.push(Some(plane));
-        for input in graph.done_with(place) {
-            if let Some(plane) = made.get_mut(input).and_then(Option::take) {
-                self.give_back(plane);
-            }
+        if let Some(nothing) = nothing {
+            self.give_back(nothing);
         }
-        Ok(())
+        Ok(plane)
     }
 }
 
@@ -129,11 +136,10 @@ fn dispatch(
     gpu: &Gpu,
     encoder: &mut wgpu::CommandEncoder,
     stem: &'static str,
-    step: &Step,
+    own: &OwnData,
     uniform: &StepUniform,
-    planes: [&GpuPlane; 3],
+    planes: [&wgpu::Buffer; MAX_INPUTS + 1],
 ) -> Result<()> {
-    let own = step.data();
     let kernel = gpu.kernel(stem, &own.constants)?;
     let (uniform_usage, storage_usage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
     let small = |usage, bytes: &[u8]| gpu.create_buffer_with("orogeny.brush.step", usage, bytes);
@@ -141,7 +147,7 @@ fn dispatch(
     let own: Vec<_> = (own.uniforms.iter().map(|bytes| small(uniform_usage, bytes)))
         .chain(own.storage.iter().map(|bytes| small(storage_usage, bytes)))
         .collect::<Result<_, _>>()?;
-    let buffers = std::iter::once(&uniform_buffer).chain(planes.map(|plane| &plane.buffer)).chain(&own);
+    let buffers = std::iter::once(&uniform_buffer).chain(planes).chain(&own);
     let workgroups = uniform.size.map(|samples| samples.div_ceil(WORKGROUP_SIDE));
     kernel.record(gpu, encoder, stem, buffers.map(wgpu::Buffer::as_entire_binding), workgroups);
     Ok(())

@@ -1,6 +1,6 @@
 //! What a pass is to the kernels: the mirrors of `shaders/driver/`, the constants, and what each kernel has of its own.
 
-use orogeny_field::{CURVE_TABLE_LENGTH, CurveTable};
+use orogeny_field::{CURVE_TABLE_LENGTH, CurveTable, Footprint};
 
 use crate::kernels::{
     OwnData, Rule, custom, ledge, level, mask, noise, ramp, range_map, roughen, stamp, terrace,
@@ -51,14 +51,18 @@ pub(super) fn own_data(batch: &Batch) -> OwnData {
 }
 
 /// The constants that a pass's kernel is built with, beside its own.
-pub(super) fn constants(pass: &Pass) -> [(&'static str, u32); 6] {
+pub(super) fn constants(pass: &Pass) -> impl Iterator<Item = (&'static str, u32)> {
+    let of_pass = [("IS_GATED", u32::from(pass.gate.is_some())), ("IS_MASK", u32::from(pass.is_mask))];
+    footprint_constants(&pass.footprint).into_iter().chain(of_pass)
+}
+
+/// The constants by which instances cover samples.
+pub(super) fn footprint_constants(footprint: &Footprint) -> [(&'static str, u32); 4] {
     [
-        ("FALLOFF_FORMULA", pass.footprint.falloff.formula as u32),
-        ("WEIGHT_MODE", pass.weight_mode() as u32),
-        ("IS_SEGMENT", u32::from(pass.footprint.is_segment)),
-        ("HAS_ALPHA", u32::from(pass.footprint.alpha.is_some())),
-        ("IS_GATED", u32::from(pass.gate.is_some())),
-        ("IS_MASK", u32::from(pass.is_mask)),
+        ("FALLOFF_FORMULA", footprint.falloff.formula as u32),
+        ("WEIGHT_MODE", footprint.weight_mode as u32),
+        ("IS_SEGMENT", u32::from(footprint.is_segment)),
+        ("HAS_ALPHA", u32::from(footprint.alpha.is_some())),
     ]
 }
 

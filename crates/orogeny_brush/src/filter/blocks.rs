@@ -11,8 +11,8 @@ use crate::plan::PageWork;
 const BLOCK_SIDE: u32 = 1024;
 /// A block is so many times as long as the halo about it, if that is more.
 const HALOS_A_SIDE: u32 = 8;
-/// Samples a side that a block and the halo about it have at most, if a page allows: WebGPU binds 128 MiB at once by default.
-const MAX_SIDE: u32 = 5632;
+/// Values that a plane of a block has at most, if a page allows: WebGPU binds 128 MiB at once by default.
+const MAX_VALUES: u64 = 5632 * 5632;
 
 /// Pages whose goals are worked out at once.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,19 +24,12 @@ pub struct Block {
 }
 
 /// Puts pages together into blocks, so that the halo of a graph is read once for pages side by side: up to a number of samples a
-/// side that is some times the halo, or the whole terrain where it is no more than can be worked on at once.
+/// side that is some times the halo, or as many as can be worked on at once.
 #[must_use]
 pub fn blocks(layout: PageLayout, pages: &[PageWork], graph: &Graph) -> Vec<Block> {
-    let halo = graph.halo();
-    let largest = MAX_SIDE / graph.num_channels().isqrt();
-    let [width, depth] = graph.extent();
-    let wanted = BLOCK_SIDE.max(halo.saturating_mul(HALOS_A_SIDE));
-    let side = match largest.saturating_sub(2 * halo) {
-        room if wanted <= room => wanted,
-        _ if width.max(depth) <= largest => largest,
-        room => room,
-    };
-    let side = (side / layout.size()).max(1);
+    let bounds = pages.iter().fold(SampleRect::EMPTY, |all, work| all.bounds_with(&work.rect));
+    let side = side(graph, &bounds) / layout.size();
+    let side = side.max(1);
     let mut cells = BTreeMap::<(u32, u32), Block>::new();
     for work in pages {
         let cell = cells
@@ -46,6 +39,24 @@ pub fn blocks(layout: PageLayout, pages: &[PageWork], graph: &Graph) -> Vec<Bloc
         cell.pages.push(work.clone());
     }
     cells.into_values().collect()
+}
+
+/// How many samples a side of `bounds` may be worked on at once.
+fn side(graph: &Graph, bounds: &SampleRect) -> u32 {
+    let wanted = BLOCK_SIDE.max(graph.halo().saturating_mul(HALOS_A_SIDE));
+    let longest = bounds.width().max(bounds.depth());
+    let mut side = if longest <= wanted { longest } else { wanted };
+    let fits = |side: u32| {
+        let middle = |first: i32, end: i32| first + (end - first - side.cast_signed().min(end - first)) / 2;
+        let (x, z) = (middle(bounds.x0, bounds.x1), middle(bounds.z0, bounds.z1));
+        let rect = SampleRect::new(x, z, x + side.cast_signed(), z + side.cast_signed()).intersection(bounds);
+        graph.largest(rect) <= MAX_VALUES
+    };
+    while side > 1 && !fits(side) {
+        side -= side.div_ceil(8);
+    }
+    // All of it is one block, wherever its pages begin.
+    if side == longest { u32::MAX } else { side }
 }
 
 #[cfg(test)]
@@ -79,7 +90,8 @@ mod tests {
             assert_eq!(found, expected);
             for Block { rect, pages } in &blocks {
                 let longest = rect.width().max(rect.depth());
-                assert!(longest <= 1024.max(8 * halo) && longest + 2 * halo <= MAX_SIDE);
+                assert!(longest <= 1024.max(8 * halo));
+                assert!(graph.largest(*rect) <= MAX_VALUES);
                 assert!(pages.iter().all(|work| rect.contains(&work.rect)));
                 assert!(pages.is_sorted_by_key(|work| work.key));
             }

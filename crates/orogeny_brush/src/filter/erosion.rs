@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use orogeny_field::{PipesKernel, ThermalKernel};
 
-use super::graph::{Graph, PipesPhase, Step, ThermalPhase};
+use super::{Graph, PipesPhase, Step, ThermalPhase};
 
 /// Adds the ground after `iterations` of thermal erosion.
 pub(super) fn add_thermal(graph: &mut Graph, input: usize, kernel: ThermalKernel, iterations: u32) -> usize {

@@ -6,9 +6,9 @@
 
 use std::sync::Arc;
 
-use orogeny_field::{PYRAMID_PHASES, PYRAMID_WEIGHTS, gaussian_weights};
+use orogeny_field::gaussian_weights;
 
-use super::graph::{Axis, Graph, Step};
+use super::{Axis, Graph, Step, pyramid};
 
 /// The widest Gaussian that is worked out directly, in samples: wider ones cost more so than by a pyramid.
 const MAX_DIRECT_SIGMA: f64 = 4.0;
@@ -19,23 +19,12 @@ const MIN_SIGMA: f64 = 0.25;
 /// Adds a plane smoothed by a Gaussian of standard deviation `sigma` samples.
 pub(super) fn add(graph: &mut Graph, input: usize, sigma: f64) -> usize {
     let (num_levels, sigma) = on_level(sigma.max(MIN_SIGMA));
-    let pyramid: Arc<[f32]> = PYRAMID_WEIGHTS.into();
-    let mut node = input;
-    for _ in 0..num_levels {
-        for axis in [Axis::X, Axis::Z] {
-            node = graph.add(Step::Convolve { axis, stride: 2, weights: Arc::clone(&pyramid) }, &[node]);
-        }
-    }
+    let mut node = (0..num_levels).fold(input, |node, _| pyramid::reduce(graph, node));
     let weights: Arc<[f32]> = gaussian_weights(sigma).into();
     for axis in [Axis::X, Axis::Z] {
         node = graph.add(Step::Convolve { axis, stride: 1, weights: Arc::clone(&weights) }, &[node]);
     }
-    for _ in 0..num_levels {
-        for axis in [Axis::Z, Axis::X] {
-            node = graph.add(Step::Interpolate { axis, phases: PYRAMID_PHASES.into() }, &[node]);
-        }
-    }
-    node
+    (0..num_levels).fold(node, |node, _| pyramid::expand(graph, node))
 }
 
 /// The level on which a Gaussian is worked out, and its standard deviation in samples of that level.

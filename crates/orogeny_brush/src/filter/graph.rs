@@ -7,93 +7,9 @@
 //! Only what is given is mirrored at the terrain's border. All other planes go on beyond it, made of what is mirrored, as
 //! though the terrain had no end: so each level of a pyramid is that of the mirrored terrain, whatever its size.
 
-use std::sync::Arc;
+use orogeny_field::{SampleRect, mirrored};
 
-use orogeny_field::{PhaseWeights, PipesKernel, SampleRect, ThermalKernel, mirrored};
-
-/// Along which axis a step works.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Axis {
-    /// To the east.
-    X,
-    /// To the south.
-    Z,
-}
-
-/// How the values of a plane are made of those of others.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Step {
-    /// They are given: the heights.
-    Heights,
-    /// `field/convolve`: a symmetric filter, centred on every `stride`-th sample.
-    Convolve {
-        /// Along which axis.
-        axis: Axis,
-        /// Samples from centre to centre.
-        stride: u32,
-        /// Of the neighbours 1, 2, … samples away.
-        weights: Arc<[f32]>,
-    },
-    /// `field/interpolate`: as many values for each sample as there are phases.
-    Interpolate {
-        /// Along which axis.
-        axis: Axis,
-        /// Their weights.
-        phases: Arc<[PhaseWeights]>,
-    },
-    /// `field/sharpen`: the first plane pushed away from the second.
-    Sharpen {
-        /// How far.
-        gain: f32,
-    },
-    /// `field/shift`: the value some way off.
-    Shift {
-        /// Whole samples.
-        cell: [i32; 2],
-        /// And the rest, 0..1.
-        fraction: [f32; 2],
-    },
-    /// `field/thermal`: a half of an iteration of thermal erosion.
-    Thermal {
-        /// Which one.
-        phase: ThermalPhase,
-        /// The rock.
-        kernel: Arc<ThermalKernel>,
-    },
-    /// `field/pipes`: a part of an iteration of erosion by running water.
-    Pipes {
-        /// Which one.
-        phase: PipesPhase,
-        /// Rock and water.
-        kernel: Arc<PipesKernel>,
-    },
-}
-
-/// Halves of an iteration of thermal erosion; the numbers are the kernel's `phase`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum ThermalPhase {
-    /// From heights to the shares that slide, and with more than one layer of rock the drops that hold.
-    Shares = 0,
-    /// From heights and shares to heights.
-    Heights = 1,
-}
-
-/// Parts of erosion by running water; the numbers are the kernel's `phase`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum PipesPhase {
-    /// From heights to ground, water and sediment: dry and clean.
-    Begin = 0,
-    /// From these to the first flows.
-    FirstFlux = 1,
-    /// From these and the flows before to the flows.
-    Flux = 2,
-    /// From these and the flows to ground, water and sediment.
-    Ground = 3,
-    /// From these to heights: what is carried is laid down.
-    Settle = 4,
-}
+use super::Step;
 
 /// A plane of a graph.
 #[derive(Debug, Clone, PartialEq)]
@@ -159,6 +75,12 @@ impl Graph {
         self.extent
     }
 
+    /// Samples along x and z of what a plane is a part of, if that is given and mirrored at its border.
+    #[must_use]
+    pub fn given_extent(&self, place: usize) -> Option<[u32; 2]> {
+        self.nodes.get(place)?.step.given_extent(self.extent)
+    }
+
     /// For each plane the rectangle that it must have for the last one to have `target`; one that is given stays within the
     /// terrain.
     #[must_use]
@@ -184,7 +106,9 @@ impl Graph {
             }
         }
         for (node, rect) in self.nodes.iter().zip(&mut rects) {
-            if node.step == Step::Heights && !rect.is_empty() {
+            if let Some([width, depth]) = node.step.given_extent([width, depth])
+                && !rect.is_empty()
+            {
                 let (x0, x1) = mirrored_range(rect.x0, rect.x1, width);
                 let (z0, z1) = mirrored_range(rect.z0, rect.z1, depth);
                 *rect = SampleRect::new(x0, z0, x1, z1);
@@ -193,10 +117,11 @@ impl Graph {
         rects
     }
 
-    /// Values a sample of the planes that take most.
+    /// How many values the largest plane has, for the last one to have `target`.
     #[must_use]
-    pub fn num_channels(&self) -> u32 {
-        self.nodes.iter().map(|node| node.step.num_channels()).max().unwrap_or(1)
+    pub fn largest(&self, target: SampleRect) -> u64 {
+        let values = |(node, rect): (&Node, SampleRect)| rect.area() * u64::from(node.step.num_channels());
+        self.nodes.iter().zip(self.plan(target)).map(values).max().unwrap_or_default()
     }
 
     /// How many samples beyond its result the heights are read, at most.
@@ -207,53 +132,6 @@ impl Graph {
         let rects = self.plan_on(extent, SampleRect::new(far - 1, far - 1, far + 1, far + 1));
         let reach = |rect: &SampleRect| [far - rect.x0, rect.x1 - far, far - rect.z0, rect.z1 - far];
         rects.first().and_then(|rect| reach(rect).into_iter().max()).unwrap_or_default().unsigned_abs()
-    }
-}
-
-impl Step {
-    /// Values a sample of what it makes.
-    #[must_use]
-    pub fn num_channels(&self) -> u32 {
-        match self {
-            Self::Thermal { phase: ThermalPhase::Shares, kernel } if kernel.num_layers > 1 => 2,
-            Self::Pipes { phase: PipesPhase::Begin | PipesPhase::Ground, .. } => 3,
-            Self::Pipes { phase: PipesPhase::FirstFlux | PipesPhase::Flux, .. } => 4,
-            _ => 1,
-        }
-    }
-
-    /// Whether there is nothing beyond the terrain's border, rather than the terrain mirrored.
-    #[must_use]
-    pub const fn is_closed(&self) -> bool {
-        matches!(self, Self::Thermal { .. } | Self::Pipes { .. })
-    }
-
-    /// What its inputs must have for it to make a rectangle.
-    fn source_rect(&self, rect: &SampleRect) -> SampleRect {
-        let filtered = |first: i32, end: i32, stride: u32, weights: &[f32]| {
-            let (stride, radius) = (stride.cast_signed(), weights.len() as i32);
-            (first * stride - radius, (end - 1) * stride + radius + 1)
-        };
-        let coarse = |first: i32, end: i32, phases: &[PhaseWeights]| {
-            let factor = phases.len().max(1) as i32;
-            (first.div_euclid(factor) - 1, (end - 1).div_euclid(factor) + 3)
-        };
-        let SampleRect { x0, z0, x1, z1 } = *rect;
-        let ((x0, x1), (z0, z1)) = match self {
-            Self::Heights | Self::Sharpen { .. } => ((x0, x1), (z0, z1)),
-            Self::Pipes { phase: PipesPhase::Begin | PipesPhase::Settle, .. } => ((x0, x1), (z0, z1)),
-            Self::Thermal { .. } | Self::Pipes { .. } => ((x0 - 1, x1 + 1), (z0 - 1, z1 + 1)),
-            Self::Convolve { axis: Axis::X, stride, weights } => {
-                (filtered(x0, x1, *stride, weights), (z0, z1))
-            }
-            Self::Convolve { axis: Axis::Z, stride, weights } => {
-                ((x0, x1), filtered(z0, z1, *stride, weights))
-            }
-            Self::Interpolate { axis: Axis::X, phases } => (coarse(x0, x1, phases), (z0, z1)),
-            Self::Interpolate { axis: Axis::Z, phases } => ((x0, x1), coarse(z0, z1, phases)),
-            Self::Shift { cell: [x, z], .. } => ((x0 + x, x1 + x + 1), (z0 + z, z1 + z + 1)),
-        };
-        SampleRect::new(x0, z0, x1, z1)
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use orogeny_field::{PhaseWeights, b_spline_phases};
 
-use super::graph::{Axis, Graph, Step};
+use super::{Axis, Graph, Step};
 
 /// The widest lattice: a table has as many phases.
 const MAX_SPACING: u32 = 1 << 12;

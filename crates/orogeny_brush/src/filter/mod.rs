@@ -4,20 +4,30 @@
 //! wash. The back ends work out graphs for the blocks of pages that a batch touches.
 
 mod blocks;
+pub(crate) mod cloning;
 mod erosion;
 mod gaussian;
+pub(crate) mod grab;
 mod graph;
 pub mod kernels;
 mod lattice;
+mod pyramid;
+mod step;
+mod weights;
 
 use std::sync::Arc;
 
-use orogeny_field::{Blending, Brush, BrushType, PipesKernel, SmoothMethod, TerrainGrid, ThermalKernel};
+use orogeny_field::{
+    Alignment, Blending, Brush, BrushType, PipesKernel, SmoothMethod, TerrainGrid, ThermalKernel,
+};
 
 use crate::Result;
 
 pub use blocks::{Block, blocks};
-pub use graph::{Axis, Graph, Node, PipesPhase, Step, ThermalPhase};
+pub use cloning::CloneGround;
+pub use graph::{Graph, Node};
+pub use step::{Axis, MAX_INPUTS, PipesPhase, Step, ThermalPhase};
+pub use weights::Weights;
 
 /// What a brush pulls the ground to, and from which state of the ground it is made.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,6 +98,7 @@ pub(crate) fn is_sequential(brush: &Brush) -> bool {
     match brush.brush_type {
         BrushType::Smooth | BrushType::Sharpen => brush.blending != Blending::Wash,
         BrushType::Smear => true,
+        BrushType::Clone => brush.cloning.source.alignment == Alignment::Fixed,
         _ => false,
     }
 }

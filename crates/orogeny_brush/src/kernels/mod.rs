@@ -40,7 +40,7 @@ pub enum Stage {
     Roughen,
     /// `brush/noise`.
     Noise,
-    /// `brush/blend`: smooth, sharpen and smear.
+    /// `brush/blend`: all that pulls the ground to what a filter makes.
     Blend,
     /// `brush/terrace`.
     Terrace,
@@ -156,6 +156,8 @@ impl Stage {
             BrushType::Smooth
             | BrushType::Sharpen
             | BrushType::Smear
+            | BrushType::Grab
+            | BrushType::Clone
             | BrushType::ErodeThermal
             | BrushType::ErodeFluvial => Self::Blend,
             BrushType::Terrace => Self::Terrace,

@@ -1,14 +1,17 @@
 //! Fills: a brush applied once, at full weight, without a stroke.
 
-use orogeny_field::{Brush, BrushType, Footprint, Instance, SampleRect};
+use orogeny_field::{Brush, BrushType, Footprint, Instance, SampleRect, WeightMode};
+use orogeny_pages::PageStore;
 
 use super::checked_num_pages;
 use super::prepared::{Plan, missing};
 use crate::Result;
 use crate::canvas::{Canvas, Resources};
+use crate::filter::Weights;
 use crate::frames::Frames;
 use crate::kernels::{Rule, Stage};
 use crate::plan::Batch;
+use crate::symmetry::Image;
 
 /// Plans a brush applied once at full weight to `region`, which is clipped to the terrain.
 ///
@@ -21,13 +24,14 @@ pub fn plan_fill(
     canvas: Canvas,
     resources: Resources,
     region: SampleRect,
+    store: &mut dyn PageStore,
 ) -> Result<Batch> {
     let stage = Stage::of(brush.brush_type);
     if stage.has_goal_of_instance() {
         return Err(missing(brush, "points", "it needs a stroke, and a fill has none"));
     }
-    if brush.brush_type == BrushType::Smear {
-        return Err(missing(brush, "points", "it drags the ground along a stroke, and a fill has none"));
+    if matches!(brush.brush_type, BrushType::Smear | BrushType::Grab) {
+        return Err(missing(brush, "points", "it takes the ground along with a stroke, and a fill has none"));
     }
     let needs_height = stage.needs_reference_height() || stage.needs_target_height();
     if needs_height && brush.height_m.is_none() {
@@ -41,6 +45,16 @@ pub fn plan_fill(
         ));
     }
     let plan = Plan::new(brush, seed, canvas, resources)?;
+    let region = region.intersection(&canvas.grid.bounds());
+    checked_num_pages(canvas.layout, region)?;
+    if brush.brush_type == BrushType::Clone {
+        let to_m = plan.given_place()?;
+        let everywhere = Instance { amplitude: brush.strength as f32, ..Instance::EVERYWHERE };
+        let footprint = Footprint { weight_mode: WeightMode::Wash, ..Footprint::EVERYWHERE };
+        let gate = plan.gate.clone();
+        let weights = Weights { footprint, instances: vec![everywhere], bounds: vec![region], gate };
+        return plan.cloned(to_m, vec![(Image::IDENTITY, weights)], store);
+    }
     let height_m = brush.height_m.unwrap_or_default();
     let mut everywhere = Instance {
         amplitude: (stage.sign(brush) * brush.strength) as f32,
@@ -58,8 +72,6 @@ pub fn plan_fill(
         // There is one instance only, and the ground before it lets the fill go on piece by piece.
         filter.is_sequential = false;
     }
-    let region = region.intersection(&canvas.grid.bounds());
-    checked_num_pages(canvas.layout, region)?;
     let batch =
         Batch::new(plan.pass(rule, Footprint::EVERYWHERE), canvas.layout, vec![everywhere], vec![region]);
     Ok(batch.with_frames(frames.as_mut().map(Frames::take).unwrap_or_default()))

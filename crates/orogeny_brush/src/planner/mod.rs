@@ -1,14 +1,17 @@
 //! From a brush and places to batches: strength, pressure, copies, heights found under the stroke.
 
+mod cloning;
 mod fill;
+mod grab;
+mod mean;
 mod prepared;
 mod ramp;
 
 use std::collections::VecDeque;
 
 use orogeny_field::{
-    AlphaRotation, Blending, Brush, BrushType, Coverage, Falloff, Footprint, Instance, PageLayout,
-    PointerSample, SampleRect, WeightMode,
+    AlphaRotation, Blending, Brush, BrushType, CloneBlend, Coverage, Falloff, Footprint, Instance,
+    PageLayout, PointerSample, SampleRect, WeightMode,
 };
 use orogeny_pages::{HeightProbe, PageStore};
 
@@ -22,6 +25,7 @@ use crate::sampler::{Pen, PlacedSample, StrokeSampler};
 use crate::spacing::Spacing;
 use crate::symmetry::{self, Image};
 use crate::{Error, Result};
+use cloning::Gathered;
 use prepared::Plan;
 
 pub use fill::plan_fill;
@@ -51,8 +55,10 @@ pub struct StrokePlanner {
     pass: Option<Pass>,
     frames: Option<Frames>,
     num_points: usize,
-    /// Of a ramp: whether its batch was given.
-    is_ramp_given: bool,
+    /// Of what has one batch, once the stroke has ended: whether it was given.
+    is_given: bool,
+    /// Of a clone: what was planned so far, for each image.
+    gathered: Vec<Gathered>,
     /// Of brushes whose instances each work on what those before them left: batches of one that were not asked for yet.
     waiting: VecDeque<Batch>,
     /// Where the last instance was placed, in samples.
@@ -81,7 +87,8 @@ impl StrokePlanner {
             pass: None,
             frames: None,
             num_points: 0,
-            is_ramp_given: false,
+            is_given: false,
+            gathered: Vec::new(),
             waiting: VecDeque::new(),
             previous_place: None,
             plan,
@@ -123,6 +130,9 @@ impl StrokePlanner {
         if Stage::of(self.plan.brush.brush_type) == Stage::Ramp {
             return self.ramp(store);
         }
+        if self.plan.brush.brush_type == BrushType::Grab {
+            return self.grab();
+        }
         if let Some(batch) = self.waiting.pop_front() {
             return Ok(Some(batch));
         }
@@ -136,8 +146,7 @@ impl StrokePlanner {
             (_, true) => usize::MAX,
             _ => max_instances,
         };
-        let is_smear = self.plan.brush.brush_type == BrushType::Smear;
-        let mut drags = Vec::new();
+        let mut images = Vec::new();
         let mut instances = Vec::new();
         let mut bounds = Vec::new();
         let (mut num_places, mut num_pages) = (0, 0);
@@ -161,23 +170,26 @@ impl StrokePlanner {
                 num_pages += checked_num_pages(self.plan.canvas.layout, bound)?;
                 instances.push(self.instance(store, &place, &touch, &image, position, radius)?);
                 bounds.push(bound);
-                if is_smear {
-                    let [from, to] =
-                        [previous.unwrap_or(place.position), place.position].map(|p| image.place(p));
-                    drags.push([to[0] - from[0], to[1] - from[1]]);
-                }
+                let [from_x, from_z] = previous.unwrap_or(place.position);
+                let [to_x, to_z] = place.position;
+                images.push((image, image.way([to_x - from_x, to_z - from_z]), centre));
             }
         }
         if num_places == 0 {
-            return Ok(None);
+            return if self.gathers() { self.gathered_batch(store) } else { Ok(None) };
+        }
+        if self.gathers() {
+            return Ok(Some(self.gather(instances, bounds, images.into_iter().map(|(image, ..)| image))));
         }
         let pass = self.pass(store)?;
         if is_sequential {
             let layout = self.plan.canvas.layout;
-            for (index, (instance, bound)) in instances.into_iter().zip(bounds).enumerate() {
+            for ((instance, bound), (image, way, centre)) in instances.into_iter().zip(bounds).zip(images) {
                 let mut pass = pass.clone();
-                if let Some(drag) = drags.get(index) {
-                    pass.rule = Rule::Filter(Filter::drag(&self.plan.canvas.grid, *drag));
+                match self.plan.brush.brush_type {
+                    BrushType::Smear => pass.rule = Rule::Filter(Filter::drag(&self.plan.canvas.grid, way)),
+                    BrushType::Clone => pass.rule = Rule::Filter(self.fixed_clone(&image, centre)?),
+                    _ => {}
                 }
                 self.waiting.push_back(Batch::new(pass, layout, vec![instance], vec![bound]));
             }
@@ -200,8 +212,10 @@ impl StrokePlanner {
             (Coverage::Blending, _) if Stage::of(brush.brush_type).has_goal_of_instance() => {
                 WeightMode::Direct
             }
-            // Each instance drags along what the one before it left.
-            (Coverage::Blending, _) if brush.brush_type == BrushType::Smear => WeightMode::Direct,
+            // Each instance drags along, or copies onto, what the one before it left.
+            (Coverage::Blending, _) if matches!(brush.brush_type, BrushType::Smear | BrushType::Clone) => {
+                WeightMode::Direct
+            }
             // A dab that never moves is its own wash.
             (Coverage::Blending, _) if !self.is_pass() => WeightMode::Direct,
             (Coverage::Blending, Blending::BuildUp) => WeightMode::BuildUp,
@@ -277,6 +291,15 @@ impl StrokePlanner {
         if image.is_reflection { ([-x, -z], -mirror) } else { ([x, z], mirror) }
     }
 
+    /// The brush's profile as kernels take it.
+    fn falloff(&self) -> Falloff {
+        let brush = &self.plan.brush;
+        if brush.brush_type == BrushType::Clone && brush.cloning.blend == CloneBlend::Plain {
+            return Falloff::HARD_EDGE;
+        }
+        Falloff::from(brush.profile())
+    }
+
     /// What is the same for all batches, found out with the first.
     fn pass(&mut self, store: &mut dyn PageStore) -> Result<Pass> {
         if let Some(pass) = &self.pass {
@@ -290,7 +313,7 @@ impl StrokePlanner {
         };
         let anchor = self.first_position.unwrap_or_default();
         let footprint = Footprint {
-            falloff: Falloff::from(self.plan.brush.profile()),
+            falloff: self.falloff(),
             weight_mode: self.weight_mode(),
             // A stamp's picture is its height, not its weight.
             alpha: self.plan.resources.alpha.clone().filter(|_| stage != Stage::Stamp),

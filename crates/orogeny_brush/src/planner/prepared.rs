@@ -2,16 +2,21 @@
 
 use std::sync::Arc;
 
-use orogeny_field::{Bitmap, Brush, BrushType, Footprint, Gate, HeightRange, TerraceSteps};
+use orogeny_field::{
+    Bitmap, Brush, BrushType, Footprint, Gate, HeightRange, Instance, Placement, SampleRect, TerraceSteps,
+    WeightMode,
+};
 
 use crate::canvas::{Canvas, Resources};
-use crate::filter::Filter;
+use crate::filter::cloning::Laid;
+use crate::filter::{CloneGround, Filter};
 use crate::frames::Frames;
 use crate::gate::GatePlan;
 use crate::kernels::custom::CustomRule;
 use crate::kernels::{Rule, Stage};
-use crate::plan::Pass;
+use crate::plan::{Batch, Pass};
 use crate::resolved::resolved;
+use crate::symmetry::Image;
 use crate::{Error, Result};
 
 /// What strokes and fills have in common.
@@ -21,7 +26,7 @@ pub(super) struct Plan {
     pub(super) seed: u32,
     pub(super) canvas: Canvas,
     pub(super) resources: Resources,
-    gate: Option<Arc<GatePlan>>,
+    pub(super) gate: Option<Arc<GatePlan>>,
     roughness: Option<Arc<GatePlan>>,
     custom: Option<CustomRule>,
 }
@@ -40,6 +45,9 @@ impl Plan {
             (BrushType::Custom, None) => return Err(missing(brush, "file", "its kernel was not loaded")),
             _ => None,
         };
+        if brush.brush_type == BrushType::Clone && resources.clone_ground.is_none() {
+            return Err(missing(brush, "source", "the ground that it clones was not loaded"));
+        }
         let brush = resolved(brush);
         let plan = |gate: Option<&Gate>, image: Option<&Arc<Bitmap>>| -> Result<Option<Arc<GatePlan>>> {
             let Some(gate) = gate else { return Ok(None) };
@@ -79,7 +87,7 @@ impl Plan {
             },
             Stage::Blend => match Filter::of(brush, &self.canvas.grid)? {
                 Some(filter) => Rule::Filter(filter),
-                // Each instance has a drag of its own.
+                // Each instance has a filter of its own, or the whole stroke has one at its end.
                 None => Rule::Filter(Filter::drag(&self.canvas.grid, [0.0; 2])),
             },
             Stage::Terrace => {
@@ -105,6 +113,31 @@ impl Plan {
         })
     }
 
+    /// The ground that it clones as it comes to lie, in an image of the terrain: its place at `to_m`.
+    pub(super) fn laid(&self, to_m: [f64; 2], image: &Image) -> Result<Laid<'_>> {
+        let source = &self.brush.cloning.source;
+        let Some(ground) = &self.resources.clone_ground else {
+            return Err(missing(&self.brush, "source", "the ground that it clones was not loaded"));
+        };
+        let spacing_m = self.canvas.grid.spacing_m();
+        let source_spacing_m = match ground {
+            CloneGround::Field(_) => spacing_m,
+            CloneGround::Raster { spacing_m, .. } => *spacing_m,
+        };
+        let placement = Placement::new(&source.placing(to_m, source_spacing_m, spacing_m));
+        let inverse = image.inverse();
+        Ok(Laid {
+            ground,
+            placement: if *image == Image::IDENTITY {
+                placement
+            } else {
+                placement.after(|place| inverse.place(place))
+            },
+            heights: [source.height_scale as f32, source.height_offset_m as f32],
+            selection: source.is_selected_only.then_some(self.canvas.selection),
+        })
+    }
+
     pub(super) fn frames(&self, anchor: [f64; 2]) -> Result<Option<Frames>> {
         if self.brush.brush_type != BrushType::Noise {
             return Ok(None);
@@ -112,6 +145,22 @@ impl Plan {
         let spacing_m = self.canvas.grid.spacing_m();
         let anchor_m = anchor.map(|place| place * spacing_m);
         Frames::new(&self.brush.noise, self.seed, &self.canvas.grid, anchor_m).map(Some)
+    }
+
+    /// The one batch of what is made at a stroke's end: the ground within `bounds` becomes what a filter makes of it, as far
+    /// as a gate lets it.
+    pub(super) fn settled(
+        &self,
+        filter: Filter,
+        mut bounds: Vec<SampleRect>,
+        gate: Option<Arc<GatePlan>>,
+    ) -> Batch {
+        bounds.retain(|bound| !bound.is_empty());
+        // Where two of them meet it becomes that once.
+        let weight_mode = if bounds.len() > 1 { WeightMode::Wash } else { WeightMode::Direct };
+        let footprint = Footprint { weight_mode, ..Footprint::EVERYWHERE };
+        let pass = Pass { gate, ..self.pass(Rule::Filter(filter), footprint) };
+        Batch::new(pass, self.canvas.layout, vec![Instance::EVERYWHERE; bounds.len()], bounds)
     }
 
     pub(super) fn pass(&self, rule: Rule, footprint: Footprint) -> Pass {

@@ -12,7 +12,7 @@ impl StrokePlanner {
     /// A ramp's one batch, once the stroke has ended.
     pub(super) fn ramp(&mut self, store: &mut dyn PageStore) -> Result<Option<Batch>> {
         let (Some(start), Some(end)) = (self.first_position, self.last_position) else { return Ok(None) };
-        if !self.sampler.is_finished() || std::mem::replace(&mut self.is_ramp_given, true) {
+        if !self.sampler.is_finished() || std::mem::replace(&mut self.is_given, true) {
             return Ok(None);
         }
         let brush = &self.plan.brush;

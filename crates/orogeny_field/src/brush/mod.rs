@@ -4,12 +4,14 @@
 //! `brushes` command and its JSON schema all read it.
 
 mod catalog;
+mod cloning;
 mod gate;
 mod parse;
 mod profile;
 mod settings;
 
 pub use catalog::{PARAMETERS, Parameter, ParameterKind};
+pub use cloning::{Alignment, CloneBlend, CloneSource, Cloning, LayerReference, MAX_PYRAMID_LEVELS};
 pub use gate::{AspectGate, Band, Gate, GateImage, NoiseGate};
 pub use profile::{Falloff, FalloffFormula, Profile, ProfileShape};
 pub use settings::{
@@ -47,6 +49,10 @@ pub enum BrushType {
     Sharpen,
     /// Drags the ground along.
     Smear,
+    /// Moves the ground under the stroke's first point to its last.
+    Grab,
+    /// Copies ground from elsewhere.
+    Clone,
     /// Lets slide what is too steep.
     ErodeThermal,
     /// Lets water run.
@@ -67,7 +73,7 @@ pub enum BrushType {
 
 impl BrushType {
     /// All of them, in the order in which they are listed.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::Raise,
         Self::Lower,
         Self::Ledge,
@@ -79,6 +85,8 @@ impl BrushType {
         Self::Smooth,
         Self::Sharpen,
         Self::Smear,
+        Self::Grab,
+        Self::Clone,
         Self::ErodeThermal,
         Self::ErodeFluvial,
         Self::Terrace,
@@ -104,6 +112,8 @@ impl BrushType {
             Self::Smooth => "smooth",
             Self::Sharpen => "sharpen",
             Self::Smear => "smear",
+            Self::Grab => "grab",
+            Self::Clone => "clone",
             Self::ErodeThermal => "erode_thermal",
             Self::ErodeFluvial => "erode_fluvial",
             Self::Terrace => "terrace",
@@ -130,6 +140,8 @@ impl BrushType {
             Self::Smooth => "smooths what is narrower than `width`",
             Self::Sharpen => "makes what is narrower than `width` stand out",
             Self::Smear => "drags the ground along, as a finger does wet paint",
+            Self::Grab => "moves the ground under the stroke's first point to its last",
+            Self::Clone => "copies ground from another place, layer or file, and blends it in",
             Self::ErodeThermal => "lets ground that is too steep slide down, as scree does",
             Self::ErodeFluvial => "lets rain run off: gullies are cut, and what they lose is laid down below",
             Self::Terrace => "cuts the ground into steps of equal height",
@@ -152,6 +164,8 @@ impl BrushType {
             | Self::Smooth
             | Self::Sharpen
             | Self::Smear
+            | Self::Grab
+            | Self::Clone
             | Self::ErodeThermal
             | Self::ErodeFluvial
             | Self::Terrace
@@ -277,6 +291,8 @@ pub struct Brush {
     pub noise: Noise,
     /// Of `smooth` and `sharpen`.
     pub smoothing: Smoothing,
+    /// Of `clone`.
+    pub cloning: Cloning,
     /// Of `erode_thermal`.
     pub thermal: Thermal,
     /// Of `erode_fluvial`.

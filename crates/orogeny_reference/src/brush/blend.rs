@@ -2,14 +2,12 @@
 
 use multiversion::multiversion;
 
-use crate::store::{lerp, update_row};
+use crate::store::{pulled, update_row};
 
-/// Pulls the heights towards `goals` by the amounts, 0..1. What is between two heights never leaves them, however it is
-/// rounded.
+/// Pulls the heights towards `goals` by the amounts, 0..1.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
 pub fn row(heights: &mut [f32], amounts: &[f32], goals: &[f32]) -> u32 {
     update_row(heights, amounts, |place, height, amount| {
-        let goal = goals.get(place).copied().unwrap_or(height);
-        lerp(height, goal, amount).max(height.min(goal)).min(height.max(goal))
+        pulled(height, goals.get(place).copied().unwrap_or(height), amount)
     })
 }

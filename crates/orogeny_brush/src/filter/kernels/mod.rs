@@ -1,13 +1,22 @@
 //! The kernels of steps: for each its stem, and what it is given on a GPU beside the planes.
 
+pub mod band;
+pub mod combine;
 pub mod convolve;
+pub mod cover;
+pub mod grab;
 pub mod interpolate;
+pub mod lerp;
 pub mod pipes;
+pub mod resample;
 pub mod sharpen;
 pub mod shift;
 pub mod thermal;
+pub mod weights;
 
-use super::{Axis, Step};
+use orogeny_field::{Placement, SampleRect};
+
+use super::{Axis, MAX_INPUTS, Step};
 use crate::kernels::OwnData;
 
 /// What all steps are given. The layout is that of `Step` in `shaders/driver/plane.wgsl`.
@@ -16,18 +25,28 @@ use crate::kernels::OwnData;
 pub struct StepUniform {
     /// The plane that is written.
     pub result: PlaneUniform,
-    /// The first that is read.
-    pub first: PlaneUniform,
-    /// The second that is read; the first where there is none.
-    pub second: PlaneUniform,
+    /// Those that are read; the first again where there are no more.
+    pub inputs: [InputUniform; MAX_INPUTS],
     /// Samples of the result along x and z.
     pub size: [u32; 2],
     /// Samples of the terrain along x and z.
     pub extent: [u32; 2],
-    /// Whether the first plane is mirrored at the terrain's border.
-    pub is_mirrored: u32,
     /// Which part of an iteration it is, of a simulation.
     pub phase: u32,
+    /// Nothing.
+    pub padding: u32,
+}
+
+/// A plane that is read. The layout is that of `Input` in `shaders/driver/plane.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct InputUniform {
+    /// Where it lies.
+    pub plane: PlaneUniform,
+    /// Samples of the ground that it is a part of, where that is mirrored at its border; else 0.
+    pub extent: [u32; 2],
+    /// Nothing.
+    pub padding: [u32; 2],
 }
 
 /// Where a plane lies. The layout is that of `Plane` in `shaders/lib/plane.wgsl`.
@@ -47,7 +66,14 @@ impl Step {
     #[must_use]
     pub const fn stem(&self) -> Option<&'static str> {
         match self {
-            Self::Heights => None,
+            Self::Heights | Self::Field(_) | Self::Raster(_) => None,
+            Self::Weights(_) => Some(weights::STEM),
+            Self::Resample { .. } => Some(resample::STEM),
+            Self::Cover { .. } => Some(cover::STEM),
+            Self::Combine { .. } => Some(combine::STEM),
+            Self::Lerp => Some(lerp::STEM),
+            Self::Band { .. } => Some(band::STEM),
+            Self::Grab(_) => Some(grab::STEM),
             Self::Convolve { .. } => Some(convolve::STEM),
             Self::Interpolate { .. } => Some(interpolate::STEM),
             Self::Sharpen { .. } => Some(sharpen::STEM),
@@ -66,10 +92,16 @@ impl Step {
         }
     }
 
-    /// What its kernel is given beside the planes.
-    pub(crate) fn data(&self) -> OwnData {
+    /// What its kernel is given beside `num_inputs` planes, to make a rectangle.
+    pub(crate) fn data(&self, rect: &SampleRect, num_inputs: usize) -> OwnData {
         match self {
-            Self::Heights => OwnData::default(),
+            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Weights(_) => OwnData::default(),
+            Self::Resample { placement, heights } => resample::data(placement, *heights, rect),
+            Self::Cover { placement, extent } => cover::data(placement, *extent, num_inputs > 0, rect),
+            Self::Lerp => OwnData::default(),
+            Self::Combine { factors } => combine::data(*factors),
+            Self::Band { factor } => band::data(*factor, num_inputs),
+            Self::Grab(kernel) => grab::data(kernel),
             Self::Convolve { axis, stride, weights } => convolve::data(*axis, *stride, weights),
             Self::Interpolate { axis, phases } => interpolate::data(*axis, phases),
             Self::Sharpen { gain } => sharpen::data(*gain),
@@ -86,4 +118,11 @@ const fn axis_constant(axis: Axis) -> (&'static str, u32) {
         Axis::X => ("AXIS", 0),
         Axis::Z => ("AXIS", 1),
     }
+}
+
+/// The tables of `shaders/driver/place.wgsl`: what each column and each row of a rectangle has of its samples' places.
+fn places(placement: &Placement, rect: &SampleRect) -> Vec<Vec<u8>> {
+    let columns: Vec<_> = (rect.x0..rect.x1).map(|x| placement.column(x)).collect();
+    let rows: Vec<_> = (rect.z0..rect.z1).map(|z| placement.row(z)).collect();
+    vec![bytemuck::cast_slice(&columns).to_vec(), bytemuck::cast_slice(&rows).to_vec()]
 }

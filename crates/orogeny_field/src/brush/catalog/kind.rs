@@ -42,6 +42,17 @@ pub enum ParameterKind {
         /// Where it is not given; also says how many.
         default: &'static [f64],
     },
+    /// A list of any numbers up to a count, each within a closed range.
+    NumberList {
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+        /// How many at most.
+        max_count: usize,
+    },
+    /// A layer: its name, or its id.
+    Layer,
     /// Control points `[[x, y], …]`, x rising.
     Curve {
         /// Ends of the x that count.

@@ -1,5 +1,6 @@
 //! Every parameter of every brush: name, unit, range, default and meaning.
 
+mod cloning;
 mod ground;
 mod kind;
 mod noise;
@@ -15,8 +16,8 @@ const MAX_HEIGHT: f64 = crate::MAX_HEIGHT_M as f64;
 
 /// The tables of parameters: those that all brushes share, then those of single types. A name that stands twice has another
 /// meaning for other brushes.
-pub const PARAMETERS: [&[Parameter]; 4] =
-    [stroke::PARAMETERS, ground::PARAMETERS, noise::PARAMETERS, noise::BY_GROUND];
+pub const PARAMETERS: [&[Parameter]; 5] =
+    [stroke::PARAMETERS, ground::PARAMETERS, cloning::PARAMETERS, noise::PARAMETERS, noise::BY_GROUND];
 
 impl Parameter {
     /// The parameters of one brush type, in the table's order.

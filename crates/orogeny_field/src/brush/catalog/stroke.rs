@@ -14,6 +14,7 @@ const BLENDING: &[BrushType] = &[
     BrushType::Terrace,
     BrushType::RangeMap,
     BrushType::Stamp,
+    BrushType::Clone,
     BrushType::PaintMask,
     BrushType::EraseMask,
     BrushType::Custom,
@@ -76,6 +77,8 @@ pub(super) const PARAMETERS: &[Parameter] = &[
         "share of the way to the target that one straight pass goes",
     )
     .of_brushes(BLENDING),
+    parameter("strength", number(0.0, 1.0, 1.0), "share of the stroke's way by which the ground moves")
+        .of_brushes(&[BrushType::Grab]),
     parameter(
         "strength",
         number(0.0, 1.0, 0.5),

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use crate::brush::{BrushType, DataSource, Parameter, ParameterKind};
+use crate::brush::{BrushType, DataSource, LayerReference, Parameter, ParameterKind};
 use crate::noise::Normalization;
 use crate::{Curve, Error, Result};
 
@@ -203,6 +203,29 @@ impl<'a> Fields<'a> {
         Ok(numbers)
     }
 
+    /// Any numbers up to a count; none where they are not given.
+    pub(super) fn number_list(&self, name: &'static str) -> Result<Vec<f64>> {
+        let Some(Parameter { kind: ParameterKind::NumberList { min, max, max_count }, .. }) = self.find(name)
+        else {
+            return Ok(Vec::new());
+        };
+        let Some(value) = self.object.get(name) else { return Ok(Vec::new()) };
+        let limit = || format!("it must be a list of at most {max_count} numbers, each {min} to {max}");
+        let refused = || self.refused(name, value, limit());
+        let list = value.as_array().filter(|list| list.len() <= *max_count).ok_or_else(refused)?;
+        let number = |value: &Value| value.as_f64().filter(|number| (*min..=*max).contains(number));
+        list.iter().map(|value| number(value).ok_or_else(refused)).collect()
+    }
+
+    /// A layer, where it is given.
+    pub(super) fn layer(&self, name: &'static str) -> Result<Option<LayerReference>> {
+        let Some(value) = self.object.get(name) else { return Ok(None) };
+        let layer = serde_json::from_value(value.clone());
+        layer
+            .map(Some)
+            .map_err(|_| self.refused(name, value, "it must be a layer's name or its id".to_owned()))
+    }
+
     /// A curve, where it is given.
     pub(super) fn curve(&self, name: &'static str) -> Result<Option<Curve>> {
         let Some(Parameter { kind: ParameterKind::Curve { y: (low, high), .. }, .. }) = self.find(name)
@@ -264,6 +287,7 @@ impl<'a> Fields<'a> {
                 let field = match self.path.as_str() {
                     "" => "file",
                     "alpha." => "alpha.file",
+                    "source." => "source.file",
                     _ => "image.file",
                 };
                 Err(Error::MissingField { brush: self.brush_type.name(), field, why })

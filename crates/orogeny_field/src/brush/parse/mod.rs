@@ -1,5 +1,6 @@
 //! Brushes to and from JSON, by the table of parameters.
 
+mod cloning;
 mod fields;
 mod gate;
 mod noise;
@@ -8,9 +9,9 @@ mod write;
 use serde_json::{Map, Value};
 
 use super::{
-    Alpha, AlphaRotation, Blending, Brush, BrushType, Custom, Dynamics, Jitter, LedgeDirection, LevelOnly,
-    PressureTarget, Profile, ProfileShape, RampAlong, RangeMap, RangeMapping, SmoothMethod, Smoothing, Stamp,
-    StampMode, Symmetry, SymmetryKind, Terrace,
+    Alpha, AlphaRotation, Blending, Brush, BrushType, Cloning, Custom, Dynamics, Jitter, LedgeDirection,
+    LevelOnly, PressureTarget, Profile, ProfileShape, RampAlong, RangeMap, RangeMapping, SmoothMethod,
+    Smoothing, Stamp, StampMode, Symmetry, SymmetryKind, Terrace,
 };
 use crate::noise::Noise;
 use crate::{Error, Pipes, Result, RockLayer, Thermal};
@@ -41,6 +42,7 @@ impl Brush {
             gate: None,
             noise: Noise::default(),
             smoothing: Smoothing::default(),
+            cloning: Cloning::default(),
             thermal: Thermal::default(),
             pipes: Pipes::default(),
             terrace: Terrace::default(),
@@ -95,6 +97,7 @@ impl Brush {
             gate: fields.object("gate")?.map(|fields| gate::read(&fields)).transpose()?.map(Box::new),
             noise: if brush_type == BrushType::Noise { noise::read(&fields)? } else { Noise::default() },
             smoothing: smoothing(&fields)?,
+            cloning: cloning::read(&fields)?,
             thermal: thermal(&fields)?,
             pipes: pipes(&fields)?,
             terrace: terrace(&fields)?,
@@ -106,6 +109,15 @@ impl Brush {
             custom: custom(&fields)?,
         };
         let missing = |field, why| Err(Error::MissingField { brush: brush_type.name(), field, why });
+        if brush_type == BrushType::Grab
+            && let Some(alpha) = fields.raw("alpha")
+        {
+            return Err(fields.refused(
+                "alpha",
+                alpha,
+                "what is grabbed has the profile's shape: it takes none".to_owned(),
+            ));
+        }
         match brush_type {
             BrushType::SetHeight if brush.height_m.is_none() => {
                 missing("height", "it is the height that the ground is set to")
@@ -366,6 +378,9 @@ mod tests {
                         drop(object.insert("alpha".to_owned(), serde_json::json!({ "file": "rock.png" })))
                     }
                     BrushType::Custom => drop(object.insert("file".to_owned(), "crater.wgsl".into())),
+                    BrushType::Clone => {
+                        drop(object.insert("source".to_owned(), serde_json::json!({ "at": [3, 4] })))
+                    }
                     _ => {}
                 }
                 let brush = Brush::from_json(&object).unwrap();

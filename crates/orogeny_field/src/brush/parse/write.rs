@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{gate, noise};
+use super::{cloning, gate, noise};
 use crate::brush::{
     Alpha, Brush, BrushType, DataSource, Dynamics, Jitter, Parameter, ProfileShape, RangeMapping, Symmetry,
     SymmetryKind,
@@ -118,6 +118,9 @@ impl Brush {
             put(name, source.into());
             let values = custom.parameters.iter().map(|(name, value)| (name.clone(), (*value).into()));
             put("parameters", Value::Object(values.collect()));
+        }
+        if self.brush_type == BrushType::Clone {
+            object.append(&mut cloning::write(&self.cloning));
         }
         if self.brush_type == BrushType::Noise {
             object.append(&mut noise::write(&self.noise));

@@ -1,0 +1,200 @@
+//! Steps: how the values of a plane are made of those of others.
+
+use std::sync::Arc;
+
+use orogeny_field::{
+    FieldId, GrabKernel, PhaseWeights, PipesKernel, Placement, Plane, SampleRect, ThermalKernel,
+};
+
+use super::Weights;
+
+/// The most planes that a step makes one of.
+pub const MAX_INPUTS: usize = 4;
+
+/// Along which axis a step works.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// To the east.
+    X,
+    /// To the south.
+    Z,
+}
+
+/// How the values of a plane are made of those of others.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Step {
+    /// They are given: the heights that are worked on.
+    Heights,
+    /// They are given: those of a field of the terrain, before the operation.
+    Field(FieldId),
+    /// They are given: data from outside, from sample (0, 0) on.
+    Raster(Arc<Plane>),
+    /// `field/weights`: how much a stroke takes of what is made, 0..1.
+    Weights(Arc<Weights>),
+    /// `field/resample`: another ground laid on the terrain.
+    Resample {
+        /// Where.
+        placement: Placement,
+        /// What its heights are multiplied by, and what is added to them then, metres.
+        heights: [f32; 2],
+    },
+    /// `field/cover`: where there is another ground, 0..1; of one plane, how much is selected of it.
+    Cover {
+        /// Where it lies.
+        placement: Placement,
+        /// Its samples along x and z.
+        extent: [u32; 2],
+    },
+    /// `field/lerp`: the first plane pulled to the second by the third.
+    Lerp,
+    /// `field/combine`: a sum of two planes.
+    Combine {
+        /// What each is multiplied by.
+        factors: [f32; 2],
+    },
+    /// `field/band`: a level of a Laplacian pyramid, weighted: of weights, level, the next one expanded and what came of all
+    /// further ones; of weights and level only, for the coarsest.
+    Band {
+        /// How much of it.
+        factor: f32,
+    },
+    /// `field/grab`: the ground moved along with brushes.
+    Grab(Arc<GrabKernel>),
+    /// `field/convolve`: a symmetric filter, centred on every `stride`-th sample.
+    Convolve {
+        /// Along which axis.
+        axis: Axis,
+        /// Samples from centre to centre.
+        stride: u32,
+        /// Of the neighbours 1, 2, … samples away.
+        weights: Arc<[f32]>,
+    },
+    /// `field/interpolate`: as many values for each sample as there are phases.
+    Interpolate {
+        /// Along which axis.
+        axis: Axis,
+        /// Their weights.
+        phases: Arc<[PhaseWeights]>,
+    },
+    /// `field/sharpen`: the first plane pushed away from the second.
+    Sharpen {
+        /// How far.
+        gain: f32,
+    },
+    /// `field/shift`: the value some way off.
+    Shift {
+        /// Whole samples.
+        cell: [i32; 2],
+        /// And the rest, 0..1.
+        fraction: [f32; 2],
+    },
+    /// `field/thermal`: a half of an iteration of thermal erosion.
+    Thermal {
+        /// Which one.
+        phase: ThermalPhase,
+        /// The rock.
+        kernel: Arc<ThermalKernel>,
+    },
+    /// `field/pipes`: a part of an iteration of erosion by running water.
+    Pipes {
+        /// Which one.
+        phase: PipesPhase,
+        /// Rock and water.
+        kernel: Arc<PipesKernel>,
+    },
+}
+
+/// Halves of an iteration of thermal erosion; the numbers are the kernel's `phase`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum ThermalPhase {
+    /// From heights to the shares that slide, and with more than one layer of rock the drops that hold.
+    Shares = 0,
+    /// From heights and shares to heights.
+    Heights = 1,
+}
+
+/// Parts of erosion by running water; the numbers are the kernel's `phase`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum PipesPhase {
+    /// From heights to ground, water and sediment: dry and clean.
+    Begin = 0,
+    /// From these to the first flows.
+    FirstFlux = 1,
+    /// From these and the flows before to the flows.
+    Flux = 2,
+    /// From these and the flows to ground, water and sediment.
+    Ground = 3,
+    /// From these to heights: what is carried is laid down.
+    Settle = 4,
+}
+
+impl Step {
+    /// Values a sample of what it makes.
+    #[must_use]
+    pub fn num_channels(&self) -> u32 {
+        match self {
+            Self::Thermal { phase: ThermalPhase::Shares, kernel } if kernel.num_layers > 1 => 2,
+            Self::Pipes { phase: PipesPhase::Begin | PipesPhase::Ground, .. } => 3,
+            Self::Pipes { phase: PipesPhase::FirstFlux | PipesPhase::Flux, .. } => 4,
+            _ => 1,
+        }
+    }
+
+    /// Whether there is nothing beyond the terrain's border, rather than the terrain mirrored.
+    #[must_use]
+    pub const fn is_closed(&self) -> bool {
+        matches!(self, Self::Thermal { .. } | Self::Pipes { .. })
+    }
+
+    /// Whether it is made of no other plane, and samples along x and z of what it is a part of, which is mirrored at its border.
+    #[must_use]
+    pub fn given_extent(&self, terrain: [u32; 2]) -> Option<[u32; 2]> {
+        match self {
+            Self::Heights | Self::Field(_) | Self::Weights(_) => Some(terrain),
+            Self::Raster(plane) => Some([plane.rect().width(), plane.rect().depth()]),
+            _ => None,
+        }
+    }
+
+    /// What its inputs must have for it to make a rectangle.
+    pub(super) fn source_rect(&self, rect: &SampleRect) -> SampleRect {
+        let filtered = |first: i32, end: i32, stride: u32, weights: &[f32]| {
+            let (stride, radius) = (stride.cast_signed(), weights.len() as i32);
+            (first * stride - radius, (end - 1) * stride + radius + 1)
+        };
+        let coarse = |first: i32, end: i32, phases: &[PhaseWeights]| {
+            let factor = phases.len().max(1) as i32;
+            (first.div_euclid(factor) - 1, (end - 1).div_euclid(factor) + 3)
+        };
+        let SampleRect { x0, z0, x1, z1 } = *rect;
+        let ((x0, x1), (z0, z1)) = match self {
+            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Weights(_) => ((x0, x1), (z0, z1)),
+            Self::Sharpen { .. } | Self::Lerp | Self::Combine { .. } | Self::Band { .. } => {
+                ((x0, x1), (z0, z1))
+            }
+            // The spline takes a sample more on each side.
+            Self::Resample { placement, .. } | Self::Cover { placement, .. } => {
+                let SampleRect { x0, z0, x1, z1 } = placement.source_rect(rect).grown(1);
+                ((x0, x1), (z0, z1))
+            }
+            Self::Grab(kernel) => {
+                let SampleRect { x0, z0, x1, z1 } = rect.grown(kernel.reach().ceil() as i32 + 3);
+                ((x0, x1), (z0, z1))
+            }
+            Self::Pipes { phase: PipesPhase::Begin | PipesPhase::Settle, .. } => ((x0, x1), (z0, z1)),
+            Self::Thermal { .. } | Self::Pipes { .. } => ((x0 - 1, x1 + 1), (z0 - 1, z1 + 1)),
+            Self::Convolve { axis: Axis::X, stride, weights } => {
+                (filtered(x0, x1, *stride, weights), (z0, z1))
+            }
+            Self::Convolve { axis: Axis::Z, stride, weights } => {
+                ((x0, x1), filtered(z0, z1, *stride, weights))
+            }
+            Self::Interpolate { axis: Axis::X, phases } => (coarse(x0, x1, phases), (z0, z1)),
+            Self::Interpolate { axis: Axis::Z, phases } => ((x0, x1), coarse(z0, z1, phases)),
+            Self::Shift { cell: [x, z], .. } => ((x0 + x, x1 + x + 1), (z0 + z, z1 + z + 1)),
+        };
+        SampleRect::new(x0, z0, x1, z1)
+    }
+}
