@@ -4,18 +4,27 @@
 override HAS_SELECTION: u32 = 0u;
 
 struct Cover {
-    extent: vec2<u32>, // samples of the other ground
+    first: vec2<i32>, // sample of the other ground that is copied
+    last: vec2<i32>,
+    inverse_feather: f32,
+    padding: u32,
 }
 
 @group(1) @binding(6) var<uniform> cover: Cover;
 
 fn update_sample(sample: vec2<i32>) {
     let place = place_of(sample);
-    let last = vec2<i32>(cover.extent) - 1;
-    let is_within = place.cell < last | (place.cell == last & place.fraction == vec2<f32>(0.0));
-    var value = select(0.0, 1.0, all(place.cell >= vec2<i32>(0)) && all(is_within));
-    if HAS_SELECTION == 1u && value > 0.0 {
-        value = first_between(place.cell, place.fraction);
+    let from_first = vec2<f32>(place.cell - cover.first) + place.fraction;
+    let from_last = vec2<f32>(cover.last - place.cell) - place.fraction;
+    let inside = min(min(from_first.x, from_last.x), min(from_first.y, from_last.y));
+    if inside < 0.0 {
+        store(0u, sample, 0.0);
+        return;
+    }
+    let t = clamp(inside * cover.inverse_feather, 0.0, 1.0);
+    var value = select(1.0, t * t * (3.0 - 2.0 * t), cover.inverse_feather > 0.0);
+    if HAS_SELECTION == 1u {
+        value = value * first_between(place.cell, place.fraction);
     }
     store(0u, sample, value);
 }

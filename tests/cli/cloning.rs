@@ -159,3 +159,28 @@ fn what_cannot_be_cloned_is_refused_and_nothing_changes() {
     }
     assert_eq!(heights(&folder, "t.orogeny"), before);
 }
+
+/// A piece is placed as a whole: turned, it is not cut by the square that it comes from.
+#[test]
+fn a_region_is_pasted_turned_and_mirrored_and_costs_what_it_touches() {
+    let folder = Folder::new();
+    let before = terrain(&folder);
+    let source = json!({ "region": [100, 120, 40, 20], "to": [320, 300], "rotation": 90, "mirrored": true });
+    let paste = json!({ "op": "fill", "brush": { "type": "clone", "blend": "plain", "source": source } });
+    let report = apply(&folder, &json!([paste]));
+    assert_eq!(report["operations"][0]["num_pages"], 1, "{report}");
+    let after = heights(&folder, "t.orogeny");
+    // The piece is 20 x 10 samples about (60, 65), its middle comes to (160, 150): a quarter turn of its mirror image.
+    let mut num_pasted = 0;
+    for (index, (before_there, after)) in before.iter().zip(&after).enumerate() {
+        let (x, z) = ((index % SIDE) as i64 - 160, (index / SIDE) as i64 - 150);
+        let (from_x, from_z) = (60 - z, 65 - x);
+        let is_pasted = (50..70).contains(&from_x) && (60..70).contains(&from_z);
+        let expected =
+            if is_pasted { before[(from_z * SIDE as i64 + from_x) as usize] } else { *before_there };
+        assert_eq!(after.to_bits(), expected.to_bits(), "{x}, {z}");
+        num_pasted += usize::from(is_pasted);
+    }
+    assert_eq!(num_pasted, 200);
+    assert_replayed(&folder, &[], &after);
+}

@@ -38,6 +38,13 @@ fn brushes() -> Vec<(&'static str, Brush)> {
         ("laplacian", clone(CloneBlend::Laplacian, CloneSource::default())),
         ("laplacian, weighted, gated", weighted(clone(CloneBlend::Laplacian, turned()))),
         ("feathered, turned", clone(CloneBlend::Feathered, turned())),
+        (
+            "laplacian, a region with a feather",
+            clone(
+                CloneBlend::Laplacian,
+                CloneSource { region_m: Some([90.3, 40.0, 77.0, 90.0]), feather_m: 12.5, ..turned() },
+            ),
+        ),
         ("feathered, mirrored copies", Brush { symmetry: copies, ..clone(CloneBlend::Feathered, aligned()) }),
         (
             "mean-shifted, made smaller",

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use orogeny_brush::filter::kernels::band::BandUniform;
 use orogeny_brush::filter::kernels::combine::CombineUniform;
 use orogeny_brush::filter::kernels::convolve::ConvolveUniform;
-use orogeny_brush::filter::kernels::cover::CoverUniform;
 use orogeny_brush::filter::kernels::grab::GrabUniform;
 use orogeny_brush::filter::kernels::interpolate::InterpolateUniform;
 use orogeny_brush::filter::kernels::resample::ResampleUniform;
@@ -25,7 +24,7 @@ use orogeny_brush::kernels::stamp::StampUniform;
 use orogeny_brush::kernels::terrace::TerraceUniform;
 use orogeny_brush::{BrushUniform, Tile};
 use orogeny_field::noise::{FrameOctave, LatticePoint, LatticeStep};
-use orogeny_field::{Drag, Instance, PhaseWeights, PipesKernel, Place, ThermalLayer};
+use orogeny_field::{Drag, Instance, Part, PhaseWeights, PipesKernel, Place, ThermalLayer};
 use orogeny_shaders::{SHADERS, Shader, Struct};
 
 /// A field of a struct: name, offset and size in bytes.
@@ -112,7 +111,7 @@ fn mirrors() -> Vec<Mirror> {
         mirror!("Step", StepUniform { result, inputs, size, extent, phase, padding }),
         mirror!("Place", Place { cell, fraction }),
         mirror!("Resample", ResampleUniform { scale, offset_m }),
-        mirror!("Cover", CoverUniform { extent }),
+        mirror!("Cover", Part { first, last, inverse_feather, padding }),
         mirror!("Combine", CombineUniform { factors }),
         mirror!("Band", BandUniform { factor }),
         mirror!("Grab", GrabUniform { num_drags, num_steps, inverse_num_steps }),

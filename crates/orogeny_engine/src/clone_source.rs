@@ -65,6 +65,8 @@ pub(crate) fn load(
             let [x, z] = source.at_m;
             let [first_x, first_z] = cut.first.map(|first| f64::from(first) * cut.spacing_m);
             source.at_m = [x - first_x, z - first_z];
+            source.region_m =
+                source.region_m.map(|[x, z, width, depth]| [x - first_x, z - first_z, width, depth]);
             source.data = Some(DataSource::Blake3(hash.to_string()));
             (source.spacing_m, source.range_m) = (Some(cut.spacing_m), None);
             (cut.plane, cut.spacing_m)

@@ -62,7 +62,7 @@ pub use height::{MAX_HEIGHT_M, check_height, is_storable_height, sanitized_heigh
 pub use instance::{Footprint, Instance, WeightMode};
 pub use level::{HeightBounds, rect_above, rect_below};
 pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
-pub use placement::{Place, Placement, Placing};
+pub use placement::{Part, Place, Placement, Placing};
 pub use plane::{Plane, mirrored};
 pub use rect::SampleRect;
 pub use stroke::{MAX_COORDINATE_SAMPLES, MAX_STROKE_POINTS, PointerSample, Stroke};

@@ -27,6 +27,20 @@ pub struct Place {
     pub fraction: [f32; 2],
 }
 
+/// The part of a source that is copied. The layout is that of `Cover` in `shaders/field/cover.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Part {
+    /// Its first sample along x and z.
+    pub first: [i32; 2],
+    /// Its last sample.
+    pub last: [i32; 2],
+    /// 1 over the samples over which it begins at its edges; 0 for hard ones.
+    pub inverse_feather: f32,
+    /// Nothing.
+    pub padding: u32,
+}
+
 /// How a source lies on a terrain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placing {
@@ -125,6 +139,17 @@ impl Placement {
             columns: self.columns.map(|column| column.map(|part| part * scale)),
             offset: self.offset.map(|part| part * scale),
         }
+    }
+
+    /// The samples of a terrain, and some around them, whose places lie within a rectangle of the source.
+    #[must_use]
+    pub fn terrain_rect(&self, rect: &SampleRect) -> SampleRect {
+        let [[xx, xz], [zx, zz]] = self.columns;
+        let inverse_determinant = 1.0 / (xx * zz - xz * zx);
+        let columns = [[zz, -xz], [-zx, xx]].map(|column| column.map(|part| part * inverse_determinant));
+        let back = Self { columns, offset: [0.0; 2] };
+        let [x, z] = back.place(self.offset);
+        Self { offset: [-x, -z], ..back }.source_rect(rect)
     }
 
     /// The source's samples at or before the places of a rectangle's samples, and the next ones.
@@ -247,6 +272,9 @@ mod tests {
                 prop_assert!((found - expected).abs() < 3.0e-6, "{found} instead of {expected}");
             }
             let rect = SampleRect::new(x, z, x + 1, z + 1);
+            let [there_x, there_z] = cell;
+            let there = SampleRect::new(there_x, there_z, there_x + 2, there_z + 2);
+            prop_assert!(placement.terrain_rect(&there).contains(&rect));
             let source = placement.source_rect(&rect);
             let [cell_x, cell_z] = cell;
             prop_assert!(source.contains(&SampleRect::new(cell_x, cell_z, cell_x + 2, cell_z + 2)));

@@ -241,9 +241,9 @@ fn work_out_row(
             }
             resample::row(target, &source.ground(), columns, placement.row(z), *heights);
         }
-        (Step::Cover { placement, extent }, selection) => {
+        (Step::Cover { placement, part }, selection) => {
             let selection = selection.first().map(Source::ground);
-            cover::row(target, selection.as_ref(), columns, placement.row(z), *extent);
+            cover::row(target, selection.as_ref(), columns, placement.row(z), part);
         }
         (Step::Lerp, [first, second, mask]) => {
             let [buffer, other, third, ..] = buffers;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use orogeny_field::{CloneBlend, Cloning, FieldId, MAX_PYRAMID_LEVELS, Placement, Plane, SampleRect};
+use orogeny_field::{CloneBlend, Cloning, FieldId, MAX_PYRAMID_LEVELS, Part, Placement, Plane, SampleRect};
 
 use super::{Graph, Step, Weights, pyramid};
 
@@ -30,6 +30,10 @@ pub(crate) struct Laid<'a> {
     pub(crate) placement: Placement,
     /// What its heights are multiplied by, and what is added to them then, metres.
     pub(crate) heights: [f32; 2],
+    /// The part of it that is copied, in its samples; `None`: all of it.
+    pub(crate) region: Option<SampleRect>,
+    /// Over how many of its samples that part begins at its edges.
+    pub(crate) feather: f64,
     /// The selection without which nothing of it counts.
     pub(crate) selection: Option<FieldId>,
 }
@@ -51,19 +55,37 @@ impl Laid<'_> {
         graph.add(Step::Resample { placement, heights: self.heights }, &[node])
     }
 
-    /// Adds where there is anything of it, if that is not all of `rect`.
-    fn add_cover(&self, graph: &mut Graph, rect: &SampleRect) -> Option<usize> {
+    /// The samples of it that are copied.
+    pub(crate) fn copied(&self, extent: [u32; 2]) -> SampleRect {
         let [width, depth] = match self.ground {
-            CloneGround::Field(_) => graph.extent(),
+            CloneGround::Field(_) => extent,
             CloneGround::Raster { heights, .. } => [heights.rect().width(), heights.rect().depth()],
         };
         let all = SampleRect::new(0, 0, width.cast_signed(), depth.cast_signed());
-        let selection = self.selection.map(|field| graph.add(Step::Field(field), &[]));
-        if selection.is_none() && all.contains(&self.placement.source_rect(rect)) {
+        self.region.map_or(all, |region| region.intersection(&all))
+    }
+
+    /// The samples of a terrain of `extent` where there may be anything of it.
+    pub(crate) fn bounds(&self, extent: [u32; 2]) -> SampleRect {
+        self.placement.terrain_rect(&self.copied(extent))
+    }
+
+    /// Adds where there is anything of it, if that is not all of `rect`.
+    fn add_cover(&self, graph: &mut Graph, rect: &SampleRect) -> Option<usize> {
+        let copied = self.copied(graph.extent());
+        let has_soft_edges = self.feather > 0.0 || self.selection.is_some();
+        if !has_soft_edges && copied.contains(&self.placement.source_rect(rect)) {
             return None;
         }
+        let part = Part {
+            first: [copied.x0, copied.z0],
+            last: [copied.x1 - 1, copied.z1 - 1],
+            inverse_feather: if self.feather > 0.0 { (1.0 / self.feather) as f32 } else { 0.0 },
+            padding: 0,
+        };
+        let selection = self.selection.map(|field| graph.add(Step::Field(field), &[]));
         let inputs: Vec<_> = selection.into_iter().collect();
-        Some(graph.add(Step::Cover { placement: self.placement, extent: [width, depth] }, &inputs))
+        Some(graph.add(Step::Cover { placement: self.placement, part }, &inputs))
     }
 
     /// Adds the ground pulled to it by the whole of `weights`, or wherever it is.

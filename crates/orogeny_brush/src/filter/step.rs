@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use orogeny_field::{
-    FieldId, GrabKernel, PhaseWeights, PipesKernel, Placement, Plane, SampleRect, ThermalKernel,
+    FieldId, GrabKernel, Part, PhaseWeights, PipesKernel, Placement, Plane, SampleRect, ThermalKernel,
 };
 
 use super::Weights;
@@ -42,8 +42,8 @@ pub enum Step {
     Cover {
         /// Where it lies.
         placement: Placement,
-        /// Its samples along x and z.
-        extent: [u32; 2],
+        /// What is copied of it.
+        part: Part,
     },
     /// `field/lerp`: the first plane pulled to the second by the third.
     Lerp,

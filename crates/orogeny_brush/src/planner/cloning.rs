@@ -102,8 +102,11 @@ impl Plan {
         let (cloning, grid) = (&self.brush.cloning, &self.canvas.grid);
         let mut graph = Graph::new([grid.width(), grid.depth()]);
         let (mut ground, mut bounds) = (Graph::HEIGHTS, Vec::new());
-        for (image, weights) in images {
+        for (image, mut weights) in images {
             let mut laid = self.laid(to_m, &image)?;
+            // Where there is nothing to be copied nothing is looked at.
+            let there = laid.bounds(graph.extent());
+            weights.bounds.iter_mut().for_each(|bound| *bound = bound.intersection(&there));
             if cloning.blend == CloneBlend::MeanShifted {
                 let difference = mean_difference(&laid, &weights, &self.canvas, store)?;
                 let [_, offset_m] = &mut laid.heights;

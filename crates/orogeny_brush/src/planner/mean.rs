@@ -111,9 +111,10 @@ impl<'a> Source<'a> {
 
     /// The height at a place, in samples of it, and how much of it counts; `None` beyond its border.
     fn height_m(&mut self, [x, z]: [f64; 2], store: &mut dyn PageStore) -> Result<Option<(f64, f64)>> {
-        let is_within = |place: f64, num_samples: u32| (0.0..=f64::from(num_samples) - 1.0).contains(&place);
-        let [width, depth] = self.extent;
-        if !is_within(x, width) || !is_within(z, depth) {
+        let is_within =
+            |place: f64, first: i32, end: i32| (f64::from(first)..=f64::from(end) - 1.0).contains(&place);
+        let copied = self.laid.copied(self.extent);
+        if !is_within(x, copied.x0, copied.x1) || !is_within(z, copied.z0, copied.z1) {
             return Ok(None);
         }
         let raw = match (&mut self.heights, self.laid.ground) {

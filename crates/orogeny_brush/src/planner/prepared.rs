@@ -127,6 +127,8 @@ impl Plan {
         let placement = Placement::new(&source.placing(to_m, source_spacing_m, spacing_m));
         let inverse = image.inverse();
         Ok(Laid {
+            region: source.region_m.map(|region_m| samples_in(region_m, source_spacing_m)),
+            feather: source.feather_m / source_spacing_m,
             ground,
             placement: if *image == Image::IDENTITY {
                 placement
@@ -177,4 +179,10 @@ impl Plan {
 
 pub(super) fn missing(brush: &Brush, field: &'static str, why: &'static str) -> Error {
     orogeny_field::Error::MissingField { brush: brush.brush_type.name(), field, why }.into()
+}
+
+/// The samples of a region of a source: as those of a terrain, but not cut at its border.
+fn samples_in([x, z, width, depth]: [f64; 4], spacing_m: f64) -> SampleRect {
+    let sample = |place_m: f64| (place_m / spacing_m - 1.0e-6).ceil() as i32;
+    SampleRect::new(sample(x), sample(z), sample(x + width), sample(z + depth))
 }

@@ -28,6 +28,10 @@ pub struct CloneSource {
     pub data: Option<DataSource>,
     /// Which layer of this terrain; `None`: the one that is painted on.
     pub layer: Option<LayerReference>,
+    /// The part of it that is copied, `[x, z, width, depth]` in its metres, far edges outside; `None`: all of it.
+    pub region_m: Option<[f64; 4]>,
+    /// Over how many of its metres that part begins at its edges.
+    pub feather_m: f64,
     /// A place on the source, in its metres.
     pub at_m: [f64; 2],
     /// Where that place comes to lie.
@@ -104,6 +108,8 @@ impl Default for CloneSource {
         Self {
             data: None,
             layer: None,
+            region_m: None,
+            feather_m: 0.0,
             at_m: [0.0; 2],
             alignment: Alignment::Stroke,
             to_m: None,

@@ -1,28 +1,26 @@
 //! Where there is anything to be copied: within the source, and within what is selected of it.
 
-use orogeny_field::Place;
+use orogeny_field::{Part, Place};
 
 use super::between::Ground;
 
-/// One row: 1 at places from the source's first sample to its last, else 0. Times the selection there, 0..1.
-pub fn row(
-    target: &mut [f32],
-    selection: Option<&Ground<'_>>,
-    columns: &[Place],
-    row: Place,
-    [width, depth]: [u32; 2],
-) {
-    let is_within = |cell: i32, fraction: f32, num_samples: u32| {
-        let last = num_samples.saturating_sub(1).cast_signed();
-        cell >= 0 && (cell < last || (cell == last && fraction == 0.0))
-    };
+/// One row: 1 at places within the source's part, else 0; near its edges, by its feather, what lies between. Times the
+/// selection there, 0..1.
+pub fn row(target: &mut [f32], selection: Option<&Ground<'_>>, columns: &[Place], row: Place, part: &Part) {
+    let ([first_x, first_z], [last_x, last_z]) = (part.first, part.last);
     for (target, column) in target.iter_mut().zip(columns) {
         let ([x, z], [share_x, share_z]) = Place::sum(*column, row);
-        let is_covered = is_within(x, share_x, width) && is_within(z, share_z, depth);
+        let from_west = x.wrapping_sub(first_x) as f32 + share_x;
+        let from_north = z.wrapping_sub(first_z) as f32 + share_z;
+        let from_east = last_x.wrapping_sub(x) as f32 - share_x;
+        let from_south = last_z.wrapping_sub(z) as f32 - share_z;
+        let inside = from_west.min(from_east).min(from_north.min(from_south));
+        let t = (inside * part.inverse_feather).clamp(0.0, 1.0);
+        let edge = if part.inverse_feather > 0.0 { t * t * (3.0 - 2.0 * t) } else { 1.0 };
         *target = match selection {
-            _ if !is_covered => 0.0,
-            None => 1.0,
-            Some(selection) => selection.between([x, z], [share_x, share_z]),
+            _ if inside < 0.0 => 0.0,
+            None => edge,
+            Some(selection) => edge * selection.between([x, z], [share_x, share_z]),
         };
     }
 }
@@ -46,11 +44,19 @@ mod tests {
         let placement = Placement::new(&placing);
         let columns: Vec<_> = (0..12).map(|x| placement.column(x)).collect();
         let mut found = [f32::NAN; 12];
-        row(&mut found, None, &columns, placement.row(1), [5, 2]);
+        let part = Part { first: [0, 0], last: [4, 1], inverse_feather: 0.0, padding: 0 };
+        row(&mut found, None, &columns, placement.row(1), &part);
         // At 2 m and on, in steps of 0.75 m, up to 4 m beyond.
         let expected = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
         assert_eq!(found, expected.map(|covered: f32| covered));
-        row(&mut found, None, &columns, placement.row(2), [5, 2]);
+        row(&mut found, None, &columns, placement.row(2), &part);
         assert_eq!(found, [0.0; 12], "beyond the last row");
+        // A feather of two samples: half of it after one.
+        let feathered = Part { last: [4, 9], inverse_feather: 0.5, ..part };
+        let columns: Vec<_> = (0..5).map(|x| Place { cell: [x, 4], fraction: [0.0, 0.0] }).collect();
+        let nothing = Place { cell: [0, 0], fraction: [0.0, 0.0] };
+        let mut found = [f32::NAN; 5];
+        row(&mut found, None, &columns, nothing, &feathered);
+        assert_eq!(found, [0.0, 0.5, 1.0, 0.5, 0.0]);
     }
 }

@@ -97,7 +97,7 @@ impl Step {
         match self {
             Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Weights(_) => OwnData::default(),
             Self::Resample { placement, heights } => resample::data(placement, *heights, rect),
-            Self::Cover { placement, extent } => cover::data(placement, *extent, num_inputs > 0, rect),
+            Self::Cover { placement, part } => cover::data(placement, part, num_inputs > 0, rect),
             Self::Lerp => OwnData::default(),
             Self::Combine { factors } => combine::data(*factors),
             Self::Band { factor } => band::data(*factor, num_inputs),

@@ -34,7 +34,15 @@ const PLACE: ParameterKind =
     ParameterKind::Numbers { min: -MAX_RADIUS_M, max: MAX_RADIUS_M, default: &[0.0, 0.0] };
 
 const SOURCE: &[Parameter] = &[
-    parameter("at", PLACE, "a place [x, z] on the source").in_unit("m"),
+    parameter(
+        "region",
+        ParameterKind::NumberList { min: -MAX_RADIUS_M, max: MAX_RADIUS_M, max_count: 4 },
+        "the part of it that is copied, [x, z, width, depth]; by default all of it",
+    )
+    .in_unit("m"),
+    parameter("feather", number(0.0, MAX_RADIUS_M, 0.0), "over how much that part begins at its edges")
+        .in_unit("m"),
+    parameter("at", PLACE, "a place [x, z] on the source; by default the middle of `region`").in_unit("m"),
     parameter(
         "alignment",
         ParameterKind::Choice { words: &["stroke", "aligned", "fixed"] },

@@ -43,19 +43,23 @@ fn read_source(fields: &Fields<'_>) -> Result<CloneSource> {
             return Err(fields.refused(field, value, limit.to_owned()));
         }
     }
-    let range = fields.number_list("range")?;
-    let range_m = match (range.as_slice(), fields.raw("range")) {
-        ([low, high], _) => Some([*low, *high]),
-        ([], None) => None,
-        (_, given) => {
-            let value = given.cloned().unwrap_or_default();
-            return Err(fields.refused("range", value, "it must be two numbers [low, high]".to_owned()));
-        }
+    let range_m = some_numbers(fields, "range", "two numbers [low, high]")?;
+    let region_m: Option<[f64; 4]> = some_numbers(fields, "region", "four numbers [x, z, width, depth]")?;
+    if let (Some([.., width_m, depth_m]), Some(given)) = (region_m, fields.raw("region"))
+        && !(width_m > 0.0 && depth_m > 0.0)
+    {
+        return Err(fields.refused("region", given, "its width and its depth must be above 0".to_owned()));
+    }
+    let at_m = match region_m {
+        Some([x, z, width_m, depth_m]) if !fields.has("at") => [x + 0.5 * width_m, z + 0.5 * depth_m],
+        _ => fields.numbers("at")?,
     };
     Ok(CloneSource {
         data: if has_data { Some(fields.source("it is the source")?) } else { None },
         layer: fields.layer("layer")?,
-        at_m: fields.numbers("at")?,
+        region_m,
+        feather_m: fields.number("feather")?,
+        at_m,
         alignment: fields.choice("alignment", Alignment::Stroke)?,
         to_m: if fields.has("to") { Some(fields.numbers("to")?) } else { None },
         rotation_deg: fields.number("rotation")?,
@@ -69,11 +73,26 @@ fn read_source(fields: &Fields<'_>) -> Result<CloneSource> {
     })
 }
 
+/// Numbers of a fixed count, where they are given.
+fn some_numbers<const N: usize>(
+    fields: &Fields<'_>,
+    name: &'static str,
+    what: &str,
+) -> Result<Option<[f64; N]>> {
+    let Some(given) = fields.raw(name) else { return Ok(None) };
+    let numbers = fields.number_list(name)?.try_into();
+    numbers.map(Some).map_err(|_| fields.refused(name, given, format!("it must be {what}")))
+}
+
 /// The fields that only a clone brush has.
 pub(super) fn write(cloning: &Cloning) -> Map<String, Value> {
     let from = &cloning.source;
     let mut object = Map::new();
     let mut put = |name: &str, value: Value| drop(object.insert(name.to_owned(), value));
+    if let Some(region_m) = from.region_m {
+        put("region", json!(region_m));
+        put("feather", from.feather_m.into());
+    }
     put("at", json!(from.at_m));
     put("alignment", word(&from.alignment));
     put("rotation", from.rotation_deg.into());
