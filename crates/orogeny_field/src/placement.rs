@@ -152,11 +152,15 @@ impl Placement {
         Self { offset: [-x, -z], ..back }.source_rect(rect)
     }
 
-    /// The source's samples at or before the places of a rectangle's samples, and the next ones.
+    /// The source's samples at or before the places of a rectangle's samples, and the next ones, if there are places between.
     #[must_use]
     pub fn source_rect(&self, rect: &SampleRect) -> SampleRect {
         if rect.is_empty() {
             return SampleRect::EMPTY;
+        }
+        if let Some([x, z]) = self.whole_samples() {
+            let (x0, x1) = (rect.x0.saturating_add(x), rect.x1.saturating_add(x));
+            return SampleRect::new(x0, rect.z0.saturating_add(z), x1, rect.z1.saturating_add(z));
         }
         let corners =
             [(rect.x0, rect.z0), (rect.x1 - 1, rect.z0), (rect.x0, rect.z1 - 1), (rect.x1 - 1, rect.z1 - 1)];
@@ -277,7 +281,8 @@ mod tests {
             prop_assert!(placement.terrain_rect(&there).contains(&rect));
             let source = placement.source_rect(&rect);
             let [cell_x, cell_z] = cell;
-            prop_assert!(source.contains(&SampleRect::new(cell_x, cell_z, cell_x + 2, cell_z + 2)));
+            let after = if placement.whole_samples().is_some() { 1 } else { 2 };
+            prop_assert!(source.contains(&SampleRect::new(cell_x, cell_z, cell_x + after, cell_z + after)));
         }
     }
 }

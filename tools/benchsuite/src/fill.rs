@@ -1,8 +1,10 @@
 //! A brush as users have it, applied to a whole square of resident pages through the CPU back end.
 
+use std::sync::Arc;
+
 use anyhow::Result;
 use orogeny_brush::{Batch, Canvas, CloneGround, CpuExecutor, Executor as _, Resources, plan_fill};
-use orogeny_field::{Brush, BrushType, FieldId, PageLayout, TerrainGrid};
+use orogeny_field::{Brush, BrushType, FieldId, PageLayout, Plane, SampleRect, TerrainGrid, hash};
 use orogeny_pages::MemoryPages;
 
 use crate::measure::Times;
@@ -29,7 +31,7 @@ impl Fill {
         let mut store = MemoryPages::new(layout, 0.0);
         let mut plan = |brush: &Brush| {
             let clone_ground =
-                (brush.brush_type == BrushType::Clone).then_some(CloneGround::Field(canvas.field));
+                (brush.brush_type == BrushType::Clone).then(|| rough_ground(side as i32, spacing_m));
             let resources = Resources { clone_ground, ..Resources::default() };
             plan_fill(brush, 3, canvas, resources, grid.bounds(), &mut store)
         };
@@ -55,4 +57,13 @@ impl Fill {
         self.pages.commit();
         Ok(())
     }
+}
+
+/// What is cloned: data from outside, of the terrain's size.
+fn rough_ground(side: i32, spacing_m: f64) -> CloneGround {
+    let mut plane = Plane::constant(SampleRect::new(0, 0, side, side), 0.0);
+    for (place, height) in (0_u32..).zip(plane.samples_mut()) {
+        *height = 200.0 * hash::uniform(place, 0, 5);
+    }
+    CloneGround::Raster { heights: Arc::new(plane), spacing_m }
 }

@@ -6,6 +6,7 @@
 
 #![expect(clippy::print_stdout, reason = "printing figures is what this program is for")]
 
+mod clone;
 mod codecs;
 mod erode;
 mod fill;
@@ -13,6 +14,7 @@ mod ground;
 mod limit;
 mod measure;
 mod noise;
+mod opencv;
 mod raise;
 mod report;
 mod smooth;
@@ -24,7 +26,7 @@ use anyhow::{Context as _, bail};
 use crate::report::Report;
 
 /// What can be measured.
-const WHAT: [&str; 7] = ["raise", "noise", "smooth", "erode", "codecs", "stores", "terrain"];
+const WHAT: [&str; 8] = ["raise", "noise", "smooth", "clone", "erode", "codecs", "stores", "terrain"];
 
 struct Arguments {
     what: Vec<String>,
@@ -40,6 +42,7 @@ fn main() -> anyhow::Result<()> {
             "raise" => raise::run(&mut report, arguments.repeat)?,
             "noise" => noise::run(&mut report, arguments.repeat)?,
             "smooth" => smooth::run(&mut report, arguments.repeat)?,
+            "clone" => clone::run(&mut report, arguments.repeat)?,
             "erode" => erode::run(&mut report, arguments.repeat)?,
             "codecs" => codecs::run(&mut report, arguments.repeat)?,
             "stores" => stores::run(&mut report, arguments.repeat)?,

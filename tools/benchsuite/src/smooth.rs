@@ -1,16 +1,14 @@
 //! `smooth`: Gaussians of several widths over 4096 x 4096 samples, as a fill of resident pages through the CPU back end, beside
 //! OpenCV's exact `GaussianBlur` and its `stackBlur`, which is faster and no Gaussian.
 //!
-//! The share of the limit is that of `GaussianBlur`'s rate on the same threads. OpenCV is asked through Python: set
-//! `OROGENY_BENCH_PYTHON` to an interpreter that has `numpy` and `opencv-python-headless`; without it these rows are left out, which is said.
+//! The share of the limit is that of `GaussianBlur`'s rate on the same threads.
 
-use std::process::Command;
-
-use anyhow::{Context as _, Result, ensure};
+use anyhow::Result;
 use orogeny_field::{Brush, BrushType, Smoothing};
 
 use crate::fill::Fill;
 use crate::measure::Times;
+use crate::opencv;
 use crate::report::{Figure, Report, Unit};
 
 const SIDE: u64 = 4096;
@@ -24,10 +22,7 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
     let num_cores = std::thread::available_parallelism()?.get();
     let mut thread_counts = vec![1, num_cores];
     thread_counts.dedup();
-    let opencv = std::env::var_os("OROGENY_BENCH_PYTHON");
-    if opencv.is_none() {
-        report.note("OpenCV not measured: OROGENY_BENCH_PYTHON is not set".to_owned());
-    }
+    let python = opencv::python(report);
     let rough = Brush::new(BrushType::Roughen, 1.0, 100.0);
     for num_threads in thread_counts {
         for sigma in SIGMAS {
@@ -37,7 +32,7 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
             let (mut own, mut gaussian, mut stack) = (Times::default(), Times::default(), Times::default());
             for _ in 0..repeat {
                 fill.measure(&mut own)?;
-                if let Some(python) = opencv.as_ref().filter(|_| sigma <= MAX_OPENCV_SIGMA) {
+                if let Some(python) = python.as_ref().filter(|_| sigma <= MAX_OPENCV_SIGMA) {
                     let [gaussian_s, stack_s] = with_opencv(python, sigma, num_threads)?;
                     gaussian.add(gaussian_s);
                     stack.add(stack_s);
@@ -74,12 +69,5 @@ for work in (lambda: cv2.GaussianBlur(field, window, sigma, dst=target), lambda:
     work()
     print(time.perf_counter() - start)
 ";
-    let arguments = [SIDE.to_string(), sigma.to_string(), num_threads.to_string()];
-    let output = Command::new(python).arg("-c").arg(PROGRAM).args(arguments).output();
-    let output = output.with_context(|| format!("cannot start {}", python.display()))?;
-    ensure!(output.status.success(), "OpenCV: {}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout)?;
-    let mut seconds = text.lines().map(str::parse::<f64>);
-    let mut next = || seconds.next().context("OpenCV printed no time")?.context("OpenCV printed no time");
-    Ok([next()?, next()?])
+    opencv::seconds(python, PROGRAM, &[SIDE.to_string(), sigma.to_string(), num_threads.to_string()])
 }

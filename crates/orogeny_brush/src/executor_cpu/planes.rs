@@ -8,7 +8,7 @@ use crate::filter::{Graph, Step};
 use crate::{Error, Result};
 
 /// Memory of planes that is kept for the next graph.
-const MAX_POOLED: usize = 8;
+const MAX_POOLED: usize = 32;
 
 /// Works out graphs, and keeps the memory of their planes.
 #[derive(Debug, Default)]

@@ -1,6 +1,6 @@
 //! Steps of graphs on the CPU: a plane row by row, on all cores.
 
-use orogeny_field::{Place, Plane, SampleRect, mirrored};
+use orogeny_field::{PYRAMID_PHASES, Place, Plane, SampleRect, mirrored};
 use orogeny_reference::field::between::Ground;
 use orogeny_reference::field::{
     Channel, band, combine, convolve, cover, grab, interpolate, lerp, pipes, resample, sharpen, shift,
@@ -255,18 +255,29 @@ fn work_out_row(
             let first = first.columns(z, x, length, buffer);
             combine::row(target, first, second.columns(z, x, length, other), *factors);
         }
-        (Step::Band { factor }, sources) => {
-            let mut rows =
-                sources.iter().zip(buffers).map(|(source, buffer)| source.columns(z, x, length, buffer));
-            match (rows.next(), rows.next(), rows.next(), rows.next()) {
-                (Some(mask), Some(level), Some(coarser), Some(below)) => {
-                    band::row(target, mask, level, coarser, below, *factor);
-                }
-                (Some(mask), Some(level), ..) => band::coarsest_row(target, mask, level, *factor),
-                _ => debug_assert!(false, "a band without its level"),
-            }
+        (Step::Band { factor }, [mask, level]) => {
+            let mask = mask.columns(z, x, length, buffer);
+            band::coarsest_row(target, mask, level.columns(z, x, length, other), *factor);
+        }
+        (Step::Band { factor }, [mask, level, coarser, below]) => {
+            let [buffer, other, coarser_row, below_row] = buffers;
+            let coarser = expand_row(coarser_row, coarser, [x, z], length);
+            let below = expand_row(below_row, below, [x, z], length);
+            let mask = mask.columns(z, x, length, buffer);
+            let level = level.columns(z, x, length, other);
+            band::row(target, mask, level, coarser, below, *factor);
         }
         (Step::Grab(kernel), [source]) => grab::row(target, x, z, &source.ground(), kernel),
         _ => debug_assert!(false, "{step:?} of {} planes", sources.len()),
     }
+}
+
+/// The next finer level along x of a row of a coarser one, from a sample on.
+fn expand_row<'b>(row: &'b mut Vec<f32>, coarser: &Source<'_>, [x, z]: [i32; 2], length: usize) -> &'b [f32] {
+    // From the coarse sample on, which is quicker than from between two of them.
+    let (coarse, phase) = (x.div_euclid(2), x.rem_euclid(2) as usize);
+    row.resize(phase + length, 0.0);
+    let source = coarser.part(z, coarse - 1, (phase + length).div_ceil(2) + 3);
+    interpolate::row_along_x(row, source, &PYRAMID_PHASES, 0);
+    row.get(phase..).unwrap_or_default()
 }

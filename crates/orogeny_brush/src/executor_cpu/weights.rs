@@ -1,6 +1,6 @@
 //! The weights of a whole stroke, worked out for a rectangle at once.
 
-use orogeny_field::{Instance, Page, Plane, SampleRect};
+use orogeny_field::{Falloff, Instance, Page, Plane, SampleRect};
 use orogeny_reference::field::weights;
 use rayon::prelude::*;
 
@@ -14,6 +14,8 @@ const BAND_ROWS: usize = 16;
 pub(super) fn fill(plane: &mut Plane, weights: &Weights, gate: &[(SampleRect, Page)]) {
     let rect = plane.rect();
     let width = rect.width() as usize;
+    // The one instance of a fill is the same everywhere.
+    let is_fill = weights.instances.len() == 1 && weights.footprint.falloff == Falloff::HARD_EDGE;
     let bands = plane.samples_mut().par_chunks_mut((BAND_ROWS * width).max(1)).enumerate();
     bands.for_each(|(number, band)| {
         let z0 = rect.z0 + (number * BAND_ROWS) as i32;
@@ -27,7 +29,12 @@ pub(super) fn fill(plane: &mut Plane, weights: &Weights, gate: &[(SampleRect, Pa
             for (instance, bound) in reaching.iter().filter(|(_, bound)| (bound.z0..bound.z1).contains(&z)) {
                 let (x0, x1) = chord(instance, bound, z);
                 let part = row.get_mut(x0.abs_diff(rect.x0) as usize..x1.abs_diff(rect.x0) as usize);
-                weights::gather_row(part.unwrap_or_default(), x0, z, instance, &weights.footprint);
+                let part = part.unwrap_or_default();
+                if is_fill && instance.inverse_radius == 0.0 {
+                    part.fill(instance.amplitude);
+                    continue;
+                }
+                weights::gather_row(part, x0, z, instance, &weights.footprint);
             }
             if weights.gate.is_some() {
                 let row_rect = SampleRect::new(rect.x0, z, rect.x1, z + 1);

@@ -97,9 +97,9 @@ impl Graph {
         }
         for (place, node) in self.nodes.iter().enumerate().rev() {
             let Some(rect) = rects.get(place).copied().filter(|rect| !rect.is_empty()) else { continue };
-            let needed = node.step.source_rect(&rect);
-            let needed = if node.step.is_closed() { needed.intersection(&terrain) } else { needed };
-            for input in &node.inputs {
+            for (number, input) in node.inputs.iter().enumerate() {
+                let needed = node.step.source_rect(&rect, number);
+                let needed = if node.step.is_closed() { needed.intersection(&terrain) } else { needed };
                 if let Some(known) = rects.get_mut(*input) {
                     *known = known.bounds_with(&needed);
                 }

@@ -27,7 +27,8 @@ pub(super) fn add_blend(
         below = Some(match below {
             None => graph.add(Step::Band { factor }, &[*mask, *level]),
             Some((coarser, below)) => {
-                let (coarser, below) = (expand(graph, coarser), expand(graph, below));
+                // The other axis is the band's own: two planes less are written and read.
+                let [coarser, below] = [coarser, below].map(|plane| expand_along(graph, plane, Axis::Z));
                 graph.add(Step::Band { factor }, &[*mask, *level, coarser, below])
             }
         })
@@ -45,7 +46,9 @@ pub(super) fn reduce(graph: &mut Graph, input: usize) -> usize {
 
 /// Adds the next level up again.
 pub(super) fn expand(graph: &mut Graph, input: usize) -> usize {
-    [Axis::Z, Axis::X].into_iter().fold(input, |node, axis| {
-        graph.add(Step::Interpolate { axis, phases: PYRAMID_PHASES.into() }, &[node])
-    })
+    [Axis::Z, Axis::X].into_iter().fold(input, |node, axis| expand_along(graph, node, axis))
+}
+
+fn expand_along(graph: &mut Graph, input: usize, axis: Axis) -> usize {
+    graph.add(Step::Interpolate { axis, phases: PYRAMID_PHASES.into() }, &[input])
 }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use orogeny_field::{
-    FieldId, GrabKernel, Part, PhaseWeights, PipesKernel, Placement, Plane, SampleRect, ThermalKernel,
+    FieldId, GrabKernel, PYRAMID_PHASES, Part, PhaseWeights, PipesKernel, Placement, Plane, SampleRect,
+    ThermalKernel,
 };
 
 use super::Weights;
@@ -52,8 +53,8 @@ pub enum Step {
         /// What each is multiplied by.
         factors: [f32; 2],
     },
-    /// `field/band`: a level of a Laplacian pyramid, weighted: of weights, level, the next one expanded and what came of all
-    /// further ones; of weights and level only, for the coarsest.
+    /// `field/band`: a level of a Laplacian pyramid, weighted: of weights and level, and of the next one and what came of all
+    /// further ones, both expanded along z, which it expands along x; of weights and level only, for the coarsest.
     Band {
         /// How much of it.
         factor: f32,
@@ -158,8 +159,8 @@ impl Step {
         }
     }
 
-    /// What its inputs must have for it to make a rectangle.
-    pub(super) fn source_rect(&self, rect: &SampleRect) -> SampleRect {
+    /// What an input must have for it to make a rectangle.
+    pub(super) fn source_rect(&self, rect: &SampleRect, input: usize) -> SampleRect {
         let filtered = |first: i32, end: i32, stride: u32, weights: &[f32]| {
             let (stride, radius) = (stride.cast_signed(), weights.len() as i32);
             (first * stride - radius, (end - 1) * stride + radius + 1)
@@ -171,6 +172,7 @@ impl Step {
         let SampleRect { x0, z0, x1, z1 } = *rect;
         let ((x0, x1), (z0, z1)) = match self {
             Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Weights(_) => ((x0, x1), (z0, z1)),
+            Self::Band { .. } if input >= 2 => (coarse(x0, x1, &PYRAMID_PHASES), (z0, z1)),
             Self::Sharpen { .. } | Self::Lerp | Self::Combine { .. } | Self::Band { .. } => {
                 ((x0, x1), (z0, z1))
             }

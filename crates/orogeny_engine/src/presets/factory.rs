@@ -11,7 +11,7 @@ macro_rules! files {
     };
 }
 
-const FILES: [(&str, &str); 42] = files![
+const FILES: [(&str, &str); 51] = files![
     "alpine-ridge.json",
     "badlands.json",
     "barchan-field.json",
@@ -25,9 +25,11 @@ const FILES: [(&str, &str); 42] = files![
     "coral-reef.json",
     "cracked-ground.json",
     "crater-field.json",
+    "crisp-ridges.json",
     "drumlins.json",
     "dunes.json",
     "eroded-hills.json",
+    "even-out.json",
     "fjell.json",
     "flatten.json",
     "glacial-valley.json",
@@ -37,23 +39,30 @@ const FILES: [(&str, &str); 42] = files![
     "karst-towers.json",
     "karst.json",
     "lava-flow.json",
+    "long-rain.json",
     "meadow.json",
     "mesa.json",
     "mid-ocean-ridge.json",
     "moor.json",
     "plateau-edge.json",
+    "pull-ground.json",
+    "rain-gullies.json",
     "rice-paddies.json",
     "road-ramp.json",
     "rolling-hills.json",
     "salt-flat.json",
     "sand-ripples.json",
+    "scree-slopes.json",
     "sea-floor.json",
     "sharp-peak.json",
+    "slump-to-talus.json",
     "snow-drift.json",
     "soft-hill.json",
+    "soften.json",
     "terraced-slope.json",
     "trench.json",
     "volcano.json",
+    "wet-finger.json",
 ];
 
 /// All of them, by what tells them apart.

@@ -1,27 +1,37 @@
 //! Where there is anything to be copied: within the source, and within what is selected of it.
 
+use multiversion::multiversion;
 use orogeny_field::{Part, Place};
 
 use super::between::Ground;
+use super::padded::smaller;
 
 /// One row: 1 at places within the source's part, else 0; near its edges, by its feather, what lies between. Times the
 /// selection there, 0..1.
 pub fn row(target: &mut [f32], selection: Option<&Ground<'_>>, columns: &[Place], row: Place, part: &Part) {
+    part_row(target, columns, row, part);
+    let Some(selection) = selection else { return };
+    for (target, column) in target.iter_mut().zip(columns).filter(|(target, _)| **target > 0.0) {
+        let (cell, fraction) = Place::sum(*column, row);
+        *target *= selection.between(cell, fraction);
+    }
+}
+
+/// What the part and its edges leave, with no regard to what is selected.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
+fn part_row(target: &mut [f32], columns: &[Place], row: Place, part: &Part) {
     let ([first_x, first_z], [last_x, last_z]) = (part.first, part.last);
+    let is_hard = part.inverse_feather == 0.0;
     for (target, column) in target.iter_mut().zip(columns) {
         let ([x, z], [share_x, share_z]) = Place::sum(*column, row);
         let from_west = x.wrapping_sub(first_x) as f32 + share_x;
         let from_north = z.wrapping_sub(first_z) as f32 + share_z;
         let from_east = last_x.wrapping_sub(x) as f32 - share_x;
         let from_south = last_z.wrapping_sub(z) as f32 - share_z;
-        let inside = from_west.min(from_east).min(from_north.min(from_south));
+        let inside = smaller(smaller(from_west, from_east), smaller(from_north, from_south));
         let t = (inside * part.inverse_feather).clamp(0.0, 1.0);
-        let edge = if part.inverse_feather > 0.0 { t * t * (3.0 - 2.0 * t) } else { 1.0 };
-        *target = match selection {
-            _ if inside < 0.0 => 0.0,
-            None => edge,
-            Some(selection) => edge * selection.between([x, z], [share_x, share_z]),
-        };
+        let edge = if is_hard { 1.0 } else { t * t * (3.0 - 2.0 * t) };
+        *target = if inside < 0.0 { 0.0 } else { edge };
     }
 }
 
