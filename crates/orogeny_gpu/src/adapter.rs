@@ -7,7 +7,7 @@ use crate::{Error, Result};
 pub enum AdapterChoice {
     /// A real GPU, discrete before integrated. None is an error: the caller then uses the CPU back end.
     RealGpu,
-    /// A software driver: lavapipe, else the GL one. For tests and off-screen drawing.
+    /// A software driver, as lavapipe is. For tests and off-screen drawing.
     Software,
     /// The first whose name contains this, whatever its kind; case does not matter.
     Named(String),
@@ -18,7 +18,7 @@ pub enum AdapterChoice {
 pub struct AdapterDescription {
     /// As the driver names it.
     pub name: String,
-    /// `Vulkan`, `Metal`, `Dx12` or `Gl`.
+    /// `Vulkan`, `Metal` or `Dx12`.
     pub backend: String,
     /// `discrete GPU`, `integrated GPU`, `virtual GPU`, `software` or `other`.
     pub kind: &'static str,
@@ -53,31 +53,22 @@ impl std::fmt::Display for AdapterDescription {
     }
 }
 
-/// The GL driver of Mesa reports `Other`, so its name is looked at too.
+/// Not every software driver says that it is one, so its name is looked at too.
 fn is_software(info: &wgpu::AdapterInfo) -> bool {
     let name = info.name.to_lowercase();
     info.device_type == wgpu::DeviceType::Cpu
         || ["llvmpipe", "swiftshader", "softpipe"].iter().any(|s| name.contains(s))
 }
 
-/// All adapters, best first: discrete, integrated, virtual, other, software. GL ones only where there are no others.
+/// All adapters, best first: discrete, integrated, virtual, other, software.
 #[must_use]
 pub fn list_adapters() -> Vec<AdapterDescription> {
     adapters().iter().map(|adapter| AdapterDescription::new(&adapter.get_info())).collect()
 }
 
-/// GL is asked only where there is nothing else: loading its drivers takes longer than all others, and they talk to standard
-/// error.
 fn adapters() -> Vec<wgpu::Adapter> {
-    let of = |backends: wgpu::Backends| {
-        let descriptor =
-            wgpu::InstanceDescriptor { backends, ..wgpu::InstanceDescriptor::new_without_display_handle() };
-        pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(backends))
-    };
-    let mut adapters = of(wgpu::Backends::all() - wgpu::Backends::GL);
-    if adapters.is_empty() {
-        adapters = of(wgpu::Backends::GL);
-    }
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
     adapters.sort_by_key(|adapter| {
         let info = adapter.get_info();
         match info.device_type {
