@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::program::{Folder, Ran};
 
-const BRUSHES: [&str; 21] = [
+const BRUSHES: [&str; 24] = [
     "raise",
     "lower",
     "ledge",
@@ -20,11 +20,14 @@ const BRUSHES: [&str; 21] = [
     "clone",
     "erode_thermal",
     "erode_fluvial",
+    "erode_droplets",
+    "fill_pits",
     "terrace",
     "range_map",
     "stamp",
     "paint_mask",
     "erase_mask",
+    "flow_mask",
     "custom",
 ];
 

@@ -16,6 +16,7 @@ mod cancel;
 mod cloning;
 mod compaction;
 mod damage;
+mod drainage;
 mod faults;
 mod history;
 mod job;

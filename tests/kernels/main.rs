@@ -8,6 +8,7 @@ mod agreement;
 mod blend;
 mod centre_line;
 mod cloning;
+mod drainage;
 mod erosion;
 mod ledge;
 mod level;

@@ -3,9 +3,9 @@
 use orogeny_field::noise::{Noise, Normalization, Turbulence};
 use orogeny_field::{
     Alignment, Alpha, AlphaRotation, Blending, Brush, BrushType, CloneBlend, CloneSource, Cloning, Coverage,
-    DataSource, FieldId, Jitter, LedgeDirection, LevelOnly, PageLayout, PointerSample, PressureTarget,
-    ProfileShape, RangeMap, RangeMapping, SampleRect, SmoothMethod, Smoothing, Stamp, StampMode, Stroke,
-    Terrace, TerrainGrid, is_storable_height,
+    DataSource, Droplets, FieldId, FillPits, FlowMask, FlowRouting, Jitter, LedgeDirection, LevelOnly,
+    PageLayout, PointerSample, PressureTarget, ProfileShape, RangeMap, RangeMapping, SampleRect,
+    SmoothMethod, Smoothing, Stamp, StampMode, Stroke, Terrace, TerrainGrid, is_storable_height,
 };
 use orogeny_tests::{Feed, Operation, Plane, Random, compare, gpu, paint, terrain};
 use proptest::prelude::*;
@@ -134,6 +134,29 @@ fn extreme_brush(random: &mut Random) -> Brush {
             num_levels: random.one_of(&[None, Some(1), Some(12)]),
             level_weights: Vec::new(),
         },
+        droplets: Droplets {
+            per_sample: random.one_of(&[0.0, 2.0]),
+            inertia: random.one_of(&[0.0, 0.99]),
+            capacity: random.one_of(&[0.0, 64.0]),
+            erosion: 1.0,
+            deposition: random.one_of(&[0.0, 1.0]),
+            gravity: random.one_of(&[0.0, 100.0]),
+            radius: random.one_of(&[1, 8]),
+            ..Droplets::default()
+        },
+        fill_pits: FillPits {
+            slope_m: random.one_of(&[0.0, 1000.0]),
+            max_depth_m: random.one_of(&[None, Some(0.0), Some(2.0e7)]),
+        },
+        flow_routing: random.one_of(&[
+            FlowRouting::Steepest,
+            FlowRouting::Shared { exponent: 0.0 },
+            FlowRouting::Shared { exponent: 100.0 },
+        ]),
+        flow_mask: random.one_of(&[
+            FlowMask { from_m2: 0.001, to_m2: 1.0e18 },
+            FlowMask { from_m2: 1.0e17, to_m2: 1.0e18 },
+        ]),
         terrace: Terrace {
             step_m: random.one_of(&[1.0e-3, 10.0, 1.0e7]),
             sharpness: random.one_of(&[0.0, 1.0]),

@@ -151,6 +151,13 @@ fn neighbourhood_operations() -> Vec<Operation> {
             },
             &LOOP[2..],
         ),
+        stroke(Brush::new(BrushType::ErodeDroplets, 22.0, 0.9), &LOOP),
+        stroke(Brush { symmetry: copies, ..Brush::new(BrushType::FillPits, 30.0, 0.8) }, &LOOP[1..]),
+        Operation::Fill {
+            brush: Brush::new(BrushType::ErodeDroplets, 20.0, 0.7),
+            seed: 9,
+            region: SampleRect::new(20, 15, 195, 130),
+        },
         stroke(
             smooth(SmoothMethod::Gaussian, Blending::Wash, 3.0),
             &[LOOP.as_slice(), LOOP.as_slice()].concat(),

@@ -26,6 +26,7 @@ const PLACES: [Place; 4] = [
         exceptions: &[
             ("main", "lists the stages' tests"),
             ("agreement", "compares the back ends for every stage"),
+            ("drainage", "compares the back ends for what `blend` pulls the ground to"),
             ("cloning", "compares the back ends for what `blend` pulls the ground to"),
             ("erosion", "compares the back ends for what `blend` pulls the ground to"),
             ("centre_line", "holds what a strength means, for every profile"),
@@ -48,7 +49,7 @@ const STEP_PLACES: [Place; 3] = [
             ("flow", "works on a whole region at once, on the CPU"),
             ("around", "the neighbours of a sample, for the two above"),
             ("padded", "parts of rows with what lies around them, for the simulations"),
-            ("droplets", "has no twin yet"),
+            ("droplets", "works on a whole region at once, on the CPU"),
         ],
     },
     Place { folder: "crates/orogeny_brush/src/filter/kernels", extension: "rs", exceptions: &[MODULE] },

@@ -45,6 +45,22 @@ pub enum Error {
         /// The limit.
         limit_in_bytes: u64,
     },
+    /// A region of more samples than are worked on at once. Use a smaller region, or a shorter stroke.
+    #[error(
+        "`{brush}` works on all of its region at once, and {width} x {depth} are {num_samples} samples, the limit is {limit}; give a smaller `region`, or use a shorter stroke"
+    )]
+    RegionSize {
+        /// The brush's type.
+        brush: &'static str,
+        /// Samples along x.
+        width: u32,
+        /// Samples along z.
+        depth: u32,
+        /// Of both.
+        num_samples: u64,
+        /// The limit.
+        limit: u64,
+    },
     /// Whoever watched the work said not to go on.
     #[error("it was interrupted")]
     Interrupted,

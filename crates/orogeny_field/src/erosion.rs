@@ -326,7 +326,7 @@ impl DropletKernel {
         check.within("min_slope", droplets.min_slope_deg, 0.0, 45.0)?;
         check.within("evaporation", droplets.evaporation, 0.0, 0.5)?;
         check.within("gravity", droplets.gravity, 0.0, 100.0)?;
-        check.within("radius", f64::from(droplets.radius), 1.0, f64::from(MAX_DROPLET_RADIUS))?;
+        check.within("erosion_radius", f64::from(droplets.radius), 1.0, f64::from(MAX_DROPLET_RADIUS))?;
         check.within("max_steps", f64::from(droplets.max_steps), 1.0, f64::from(MAX_DROPLET_STEPS))?;
         Ok(Self {
             inertia: droplets.inertia as f32,

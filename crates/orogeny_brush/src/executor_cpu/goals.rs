@@ -19,6 +19,10 @@ impl CpuExecutor {
         store: &mut dyn PageStore,
         watch: Watch<'_>,
     ) -> Result<()> {
+        let mut regions = std::mem::take(&mut self.regions);
+        let load = |field, rect| self.gather(Plane::constant(rect, 0.0), field, false, store);
+        regions.work_out(&filter.graph, load, watch)?;
+        self.regions = regions;
         let blocks = filter::blocks(self.layout, &batch.pages, &filter.graph);
         // What is made of the ground as it is now is made for all blocks before it changes in any.
         let num_at_once = if filter.is_sequential { blocks.len().max(1) } else { 1 };
@@ -52,6 +56,12 @@ impl CpuExecutor {
             Step::Field(field) => self.gather(plane, *field, false, store),
             Step::Raster(raster) => {
                 self.threads.install(|| copy(&[(raster.rect(), Rows::Plane(raster))], &mut plane));
+                Ok(plane)
+            }
+            Step::Region(kernel) => {
+                if let Some(region) = self.regions.plane(kernel) {
+                    self.threads.install(|| copy(&[(region.rect(), Rows::Plane(region))], &mut plane));
+                }
                 Ok(plane)
             }
             Step::Weights(weights) => {

@@ -17,6 +17,7 @@ use orogeny_pages::PageStore;
 use rayon::prelude::*;
 
 use crate::execute::{Executor, Notices, PageMemory, Watch};
+use crate::filter::region::Regions;
 use crate::kernels::Rule;
 use crate::pattern::Pattern;
 use crate::plan::{Batch, PageWork, Pass};
@@ -42,6 +43,7 @@ pub struct CpuExecutor {
     /// Weights of a wash whose page had to make room.
     spilled_weights: Spill,
     planes: Planes,
+    regions: Regions,
     notices: Notices,
 }
 
@@ -68,6 +70,7 @@ impl CpuExecutor {
             changed: BTreeSet::new(),
             spilled_weights: Spill::new(layout),
             planes: Planes::default(),
+            regions: Regions::default(),
             notices: Notices::default(),
         })
     }
@@ -198,6 +201,7 @@ impl CpuExecutor {
         self.changed.clear();
         self.spilled_weights.clear();
         self.planes.clear();
+        self.regions.clear();
         for (_, page) in &mut self.resident {
             page.wash = None;
             page.gate = Gating::Open;

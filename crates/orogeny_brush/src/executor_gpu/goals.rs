@@ -4,9 +4,10 @@ use orogeny_field::{FieldId, PageKey, Plane, SampleRect};
 use orogeny_gpu::Gpu;
 use orogeny_pages::PageStore;
 
-use super::planes::GpuPlane;
+use super::planes::{GpuPlane, GpuPlanes};
 use super::{GpuExecutor, Shared};
 use crate::execute::Watch;
+use crate::filter::region::load_before;
 use crate::filter::{self, Filter, Step};
 use crate::plan::Batch;
 use crate::{Error, Result};
@@ -24,6 +25,9 @@ impl GpuExecutor {
         store: &mut dyn PageStore,
         watch: Watch<'_>,
     ) -> Result<()> {
+        // Where nothing of it is known yet, no page of the operation has changed.
+        let load = |field, rect| load_before(field, rect, store);
+        self.regions.work_out(&filter.graph, load, watch)?;
         let blocks = filter::blocks(self.layout, &batch.pages, &filter.graph);
         // What is made of the ground as it is now is made for all blocks before it changes in any.
         let num_at_once = if filter.is_sequential { blocks.len().max(1) } else { 1 };
@@ -62,7 +66,13 @@ impl GpuExecutor {
                     self.ground(&mut encoder, *rect, field, filter.is_sequential, store)?
                 }
                 Step::Field(field) => self.ground(&mut encoder, *rect, *field, false, store)?,
-                Step::Raster(raster) => self.raster(&mut encoder, *rect, raster)?,
+                Step::Raster(raster) => {
+                    rows_of(&self.gpu, &mut self.planes, &mut encoder, *rect, Some(raster))?
+                }
+                Step::Region(kernel) => {
+                    let region = self.regions.plane(kernel);
+                    rows_of(&self.gpu, &mut self.planes, &mut encoder, *rect, region)?
+                }
                 Step::Weights(weights) => self.weights(&mut encoder, *rect, weights, store)?,
                 _ => self.planes.record(&self.gpu, &mut encoder, graph, place, *rect, &made)?,
             };
@@ -135,24 +145,27 @@ impl GpuExecutor {
         rows.record(&self.gpu, encoder, &plane)?;
         Ok(plane)
     }
+}
 
-    /// Records a plane of data from outside.
-    fn raster(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        rect: SampleRect,
-        raster: &Plane,
-    ) -> Result<GpuPlane> {
-        let plane = self.planes.plane(&self.gpu, rect, 1)?;
-        let mut rows = Rows::default();
-        let first = rect.x0.abs_diff(raster.rect().x0) as usize;
-        for z in rect.z0..rect.z1 {
-            let row = raster.row(z).and_then(|row| row.get(first..first + rect.width() as usize));
-            rows.add(&plane, rect.x0, z, row.unwrap_or_default().iter().copied());
-        }
-        rows.record(&self.gpu, encoder, &plane)?;
-        Ok(plane)
+/// Records a plane of what another on the CPU has of it.
+fn rows_of(
+    gpu: &Gpu,
+    planes: &mut GpuPlanes,
+    encoder: &mut wgpu::CommandEncoder,
+    rect: SampleRect,
+    source: Option<&Plane>,
+) -> Result<GpuPlane> {
+    let plane = planes.plane(gpu, rect, 1)?;
+    let mut rows = Rows::default();
+    for z in rect.z0..rect.z1 {
+        let row = source.and_then(|source| {
+            let first = rect.x0.abs_diff(source.rect().x0) as usize;
+            source.row(z)?.get(first..first + rect.width() as usize)
+        });
+        rows.add(&plane, rect.x0, z, row.unwrap_or_default().iter().copied());
     }
+    rows.record(gpu, encoder, &plane)?;
+    Ok(plane)
 }
 
 /// Rows on their way into a plane, as one buffer and a copy for each.

@@ -18,6 +18,7 @@ use orogeny_gpu::{Gpu, ReadBack, ReadbackBelt};
 use orogeny_pages::{AtlasLimits, PageStore, Slot};
 
 use crate::execute::{Executor, Notices, PageMemory, Watch};
+use crate::filter::region::Regions;
 use crate::kernels::{OwnData, Rule, noise};
 use crate::plan::{Batch, PageWork, Pass};
 use crate::tiles::{PageLayers, TileList};
@@ -56,6 +57,8 @@ pub struct GpuExecutor {
     scratch: Scratch,
     gates: Gates,
     planes: GpuPlanes,
+    /// On the CPU: see [`crate::filter::RegionKernel`].
+    regions: Regions,
     /// Pages that the running operation has changed: their heights are no longer those from before it.
     changed: BTreeSet<PageKey>,
     /// The alpha bitmap that was last used, and one of a single pixel where there is none.
@@ -141,6 +144,7 @@ impl GpuExecutor {
             scratch,
             gates,
             planes: GpuPlanes::default(),
+            regions: Regions::default(),
             changed: BTreeSet::new(),
             alpha: None,
             no_alpha,
@@ -496,6 +500,7 @@ impl Executor for GpuExecutor {
         self.scratch.forget_all();
         self.gates.forget_all();
         self.planes.clear();
+        self.regions.clear();
         self.changed.clear();
         let num_clamped_heights = self.take_num_clamped()?;
         self.gpu.check()?;
@@ -508,6 +513,7 @@ impl Executor for GpuExecutor {
         self.gates.forget_all();
         self.heights.forget_all();
         self.planes.clear();
+        self.regions.clear();
         self.changed.clear();
         // Not waited for: the device may be gone, which the next operation sees.
         let mut encoder = self.encoder();

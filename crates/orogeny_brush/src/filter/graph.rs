@@ -131,7 +131,9 @@ impl Graph {
         let (far, extent) = (1 << 28, [1 << 29; 2]);
         let rects = self.plan_on(extent, SampleRect::new(far - 1, far - 1, far + 1, far + 1));
         let reach = |rect: &SampleRect| [far - rect.x0, rect.x1 - far, far - rect.z0, rect.z1 - far];
-        rects.first().and_then(|rect| reach(rect).into_iter().max()).unwrap_or_default().unsigned_abs()
+        // Where the heights are not read at all there is none.
+        let heights = rects.first().filter(|rect| !rect.is_empty());
+        heights.and_then(|rect| reach(rect).into_iter().max()).unwrap_or_default().unsigned_abs()
     }
 }
 

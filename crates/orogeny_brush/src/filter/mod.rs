@@ -12,6 +12,7 @@ mod graph;
 pub mod kernels;
 mod lattice;
 mod pyramid;
+pub(crate) mod region;
 mod step;
 mod weights;
 
@@ -26,6 +27,7 @@ use crate::Result;
 pub use blocks::{Block, blocks};
 pub use cloning::CloneGround;
 pub use graph::{Graph, Node};
+pub use region::{MAX_REGION_SAMPLES, RegionKernel, RegionRule};
 pub use step::{Axis, MAX_INPUTS, PipesPhase, Step, ThermalPhase};
 pub use weights::Weights;
 
@@ -91,6 +93,7 @@ const DEFAULT_WIDTH_SHARE: f64 = 8.0;
 /// Whether a brush waits for the stroke's end: what it makes of the ground takes long, and is made once.
 pub(crate) const fn waits_for_end(brush_type: BrushType) -> bool {
     matches!(brush_type, BrushType::ErodeThermal | BrushType::ErodeFluvial)
+        || region::is_region_wide(brush_type)
 }
 
 /// Whether a brush's instances each work on what those before them left all around them.

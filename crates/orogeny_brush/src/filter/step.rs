@@ -7,7 +7,7 @@ use orogeny_field::{
     ThermalKernel,
 };
 
-use super::Weights;
+use super::{RegionKernel, Weights};
 
 /// The most planes that a step makes one of.
 pub const MAX_INPUTS: usize = 4;
@@ -30,6 +30,8 @@ pub enum Step {
     Field(FieldId),
     /// They are given: data from outside, from sample (0, 0) on.
     Raster(Arc<Plane>),
+    /// They are given: what is made of a whole region at once.
+    Region(Arc<RegionKernel>),
     /// `field/weights`: how much a stroke takes of what is made, 0..1.
     Weights(Arc<Weights>),
     /// `field/resample`: another ground laid on the terrain.
@@ -153,7 +155,7 @@ impl Step {
     #[must_use]
     pub fn given_extent(&self, terrain: [u32; 2]) -> Option<[u32; 2]> {
         match self {
-            Self::Heights | Self::Field(_) | Self::Weights(_) => Some(terrain),
+            Self::Heights | Self::Field(_) | Self::Region(_) | Self::Weights(_) => Some(terrain),
             Self::Raster(plane) => Some([plane.rect().width(), plane.rect().depth()]),
             _ => None,
         }
@@ -171,7 +173,9 @@ impl Step {
         };
         let SampleRect { x0, z0, x1, z1 } = *rect;
         let ((x0, x1), (z0, z1)) = match self {
-            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Weights(_) => ((x0, x1), (z0, z1)),
+            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Region(_) | Self::Weights(_) => {
+                ((x0, x1), (z0, z1))
+            }
             Self::Band { .. } if input >= 2 => (coarse(x0, x1, &PYRAMID_PHASES), (z0, z1)),
             Self::Sharpen { .. } | Self::Lerp | Self::Combine { .. } | Self::Band { .. } => {
                 ((x0, x1), (z0, z1))

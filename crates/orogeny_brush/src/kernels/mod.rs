@@ -159,7 +159,10 @@ impl Stage {
             | BrushType::Grab
             | BrushType::Clone
             | BrushType::ErodeThermal
-            | BrushType::ErodeFluvial => Self::Blend,
+            | BrushType::ErodeFluvial
+            | BrushType::ErodeDroplets
+            | BrushType::FillPits
+            | BrushType::FlowMask => Self::Blend,
             BrushType::Terrace => Self::Terrace,
             BrushType::RangeMap => Self::RangeMap,
             BrushType::Stamp => Self::Stamp,

@@ -10,6 +10,7 @@ use super::prepared::{Plan, missing};
 use super::{StrokePlanner, checked_num_pages};
 use crate::Result;
 use crate::filter::cloning::{num_levels, spread};
+use crate::filter::region::{self, is_region_wide};
 use crate::filter::{Filter, Graph, Weights};
 use crate::kernels::Rule;
 use crate::plan::{Batch, Pass};
@@ -27,7 +28,9 @@ impl StrokePlanner {
     /// Whether the stroke is gathered, and acts as a whole at its end.
     pub(super) fn gathers(&self) -> bool {
         let brush = &self.plan.brush;
-        brush.brush_type == BrushType::Clone && brush.cloning.source.alignment != Alignment::Fixed
+        let is_clone =
+            brush.brush_type == BrushType::Clone && brush.cloning.source.alignment != Alignment::Fixed;
+        is_clone || is_region_wide(brush.brush_type)
     }
 
     /// Takes instances in; gives a batch that does nothing.
@@ -61,6 +64,9 @@ impl StrokePlanner {
         if !self.sampler.is_finished() || self.gathered.is_empty() {
             return Ok(None);
         }
+        if is_region_wide(self.plan.brush.brush_type) {
+            return self.region_batch(store).map(Some);
+        }
         let source = &self.plan.brush.cloning.source;
         let spacing_m = self.plan.canvas.grid.spacing_m();
         let to_m = match source.to_m.filter(|_| source.alignment == Alignment::Aligned) {
@@ -79,6 +85,22 @@ impl StrokePlanner {
             images.push((image, Weights { footprint: footprint.clone(), instances, bounds, gate }));
         }
         self.plan.cloned(to_m, images, store).map(Some)
+    }
+
+    /// The one batch of a stroke that works on a whole region at once: all that it reaches.
+    fn region_batch(&mut self, store: &mut dyn PageStore) -> Result<Batch> {
+        let mut pass = self.pass(store)?;
+        let (mut instances, mut bounds) = (Vec::new(), Vec::new());
+        for gathered in std::mem::take(&mut self.gathered) {
+            instances.extend(gathered.instances);
+            bounds.extend(gathered.bounds);
+        }
+        let rect = bounds.iter().fold(SampleRect::EMPTY, |all, bound| all.bounds_with(bound));
+        let rect = region::of_stroke(&self.plan.brush, &self.plan.canvas, rect)?;
+        if let Some(filter) = self.plan.of_region(rect)? {
+            pass.rule = Rule::Filter(filter);
+        }
+        Ok(Batch::new(pass, self.plan.canvas.layout, instances, bounds))
     }
 
     /// What an instance at a place in samples makes of the ground with a source that is fixed to its centre.

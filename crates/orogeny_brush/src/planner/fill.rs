@@ -68,7 +68,9 @@ pub fn plan_fill(
         frames.assign(&mut everywhere, 0, [0.0, 0.0], [1.0, 0.0]);
     }
     let mut rule = plan.rule(height_m, [0.0, 0.0], frames.as_ref())?;
-    if let Rule::Filter(filter) = &mut rule {
+    if let Some(filter) = plan.of_region(region)? {
+        rule = Rule::Filter(filter);
+    } else if let Rule::Filter(filter) = &mut rule {
         // There is one instance only, and the ground before it lets the fill go on piece by piece.
         filter.is_sequential = false;
     }

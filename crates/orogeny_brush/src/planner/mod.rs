@@ -17,7 +17,7 @@ use orogeny_pages::{HeightProbe, PageStore};
 
 use crate::canvas::{Canvas, Resources};
 use crate::dynamics::Touch;
-use crate::filter::Filter;
+use crate::filter::{Filter, region};
 use crate::frames::Frames;
 use crate::kernels::{Rule, Stage};
 use crate::plan::{Batch, Pass};
@@ -179,7 +179,10 @@ impl StrokePlanner {
             return if self.gathers() { self.gathered_batch(store) } else { Ok(None) };
         }
         if self.gathers() {
-            return Ok(Some(self.gather(instances, bounds, images.into_iter().map(|(image, ..)| image))));
+            // Copies of what works on a whole region are instances like any others, in the stroke's order.
+            let is_one = region::is_region_wide(self.plan.brush.brush_type);
+            let image = |(image, ..): (Image, _, _)| if is_one { Image::IDENTITY } else { image };
+            return Ok(Some(self.gather(instances, bounds, images.into_iter().map(image))));
         }
         let pass = self.pass(store)?;
         if is_sequential {

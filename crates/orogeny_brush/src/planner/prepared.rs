@@ -9,7 +9,7 @@ use orogeny_field::{
 
 use crate::canvas::{Canvas, Resources};
 use crate::filter::cloning::Laid;
-use crate::filter::{CloneGround, Filter};
+use crate::filter::{CloneGround, Filter, region};
 use crate::frames::Frames;
 use crate::gate::GatePlan;
 use crate::kernels::custom::CustomRule;
@@ -87,7 +87,7 @@ impl Plan {
             },
             Stage::Blend => match Filter::of(brush, &self.canvas.grid)? {
                 Some(filter) => Rule::Filter(filter),
-                // Each instance has a filter of its own, or the whole stroke has one at its end.
+                // Each instance has a filter of its own, the whole stroke has one at its end, or it is that of a region.
                 None => Rule::Filter(Filter::drag(&self.canvas.grid, [0.0; 2])),
             },
             Stage::Terrace => {
@@ -138,6 +138,11 @@ impl Plan {
             heights: [source.height_scale as f32, source.height_offset_m as f32],
             selection: source.is_selected_only.then_some(self.canvas.selection),
         })
+    }
+
+    /// What a brush that works on a whole region at once makes of one; `None` for any other.
+    pub(super) fn of_region(&self, rect: SampleRect) -> Result<Option<Filter>> {
+        region::filter(&self.brush, self.seed, &self.canvas, rect)
     }
 
     pub(super) fn frames(&self, anchor: [f64; 2]) -> Result<Option<Frames>> {

@@ -21,7 +21,7 @@ pub use settings::{
 };
 
 use crate::noise::Noise;
-use crate::{Pipes, Thermal};
+use crate::{Droplets, FillPits, FlowMask, FlowRouting, Pipes, Thermal};
 
 /// What a brush does to the heights under it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -57,6 +57,10 @@ pub enum BrushType {
     ErodeThermal,
     /// Lets water run.
     ErodeFluvial,
+    /// Lets single drops of water run.
+    ErodeDroplets,
+    /// Raises what water cannot leave.
+    FillPits,
     /// Pulls towards steps of equal height.
     Terrace,
     /// Spreads the heights of a range anew over it.
@@ -67,13 +71,15 @@ pub enum BrushType {
     PaintMask,
     /// Pulls a mask towards 0.
     EraseMask,
+    /// Pulls a mask towards where water gathers.
+    FlowMask,
     /// Does what a file of its user's says.
     Custom,
 }
 
 impl BrushType {
     /// All of them, in the order in which they are listed.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 24] = [
         Self::Raise,
         Self::Lower,
         Self::Ledge,
@@ -89,11 +95,14 @@ impl BrushType {
         Self::Clone,
         Self::ErodeThermal,
         Self::ErodeFluvial,
+        Self::ErodeDroplets,
+        Self::FillPits,
         Self::Terrace,
         Self::RangeMap,
         Self::Stamp,
         Self::PaintMask,
         Self::EraseMask,
+        Self::FlowMask,
         Self::Custom,
     ];
 
@@ -116,11 +125,14 @@ impl BrushType {
             Self::Clone => "clone",
             Self::ErodeThermal => "erode_thermal",
             Self::ErodeFluvial => "erode_fluvial",
+            Self::ErodeDroplets => "erode_droplets",
+            Self::FillPits => "fill_pits",
             Self::Terrace => "terrace",
             Self::RangeMap => "range_map",
             Self::Stamp => "stamp",
             Self::PaintMask => "paint_mask",
             Self::EraseMask => "erase_mask",
+            Self::FlowMask => "flow_mask",
             Self::Custom => "custom",
         }
     }
@@ -144,11 +156,14 @@ impl BrushType {
             Self::Clone => "copies ground from another place, layer or file, and blends it in",
             Self::ErodeThermal => "lets ground that is too steep slide down, as scree does",
             Self::ErodeFluvial => "lets rain run off: gullies are cut, and what they lose is laid down below",
+            Self::ErodeDroplets => "lets single drops of water run down, which cut fine gullies",
+            Self::FillPits => "raises the ground of pits until water can leave them",
             Self::Terrace => "cuts the ground into steps of equal height",
             Self::RangeMap => "spreads the heights between `low` and `high` anew: bias, gain or a curve",
             Self::Stamp => "presses a height image into the ground",
             Self::PaintMask => "paints a mask or a selection",
             Self::EraseMask => "erases a mask or a selection",
+            Self::FlowMask => "paints a mask or a selection where water gathers on the layer's heights",
             Self::Custom => "does what a WGSL file of your own says; needs a GPU or the software adapter",
         }
     }
@@ -168,11 +183,14 @@ impl BrushType {
             | Self::Clone
             | Self::ErodeThermal
             | Self::ErodeFluvial
+            | Self::ErodeDroplets
+            | Self::FillPits
             | Self::Terrace
             | Self::RangeMap
             | Self::Stamp
             | Self::PaintMask
             | Self::EraseMask
+            | Self::FlowMask
             | Self::Custom => Coverage::Blending,
         }
     }
@@ -180,7 +198,7 @@ impl BrushType {
     /// Whether it is for masks and selections, whose values are 0..1, rather than for heights.
     #[must_use]
     pub const fn is_for_masks(self) -> bool {
-        matches!(self, Self::PaintMask | Self::EraseMask)
+        matches!(self, Self::PaintMask | Self::EraseMask | Self::FlowMask)
     }
 
     /// The type with this name.
@@ -297,6 +315,14 @@ pub struct Brush {
     pub thermal: Thermal,
     /// Of `erode_fluvial`.
     pub pipes: Pipes,
+    /// Of `erode_droplets`; its seed is that of the operation.
+    pub droplets: Droplets,
+    /// Of `fill_pits`.
+    pub fill_pits: FillPits,
+    /// Of `flow_mask`: how water is shared among the samples below.
+    pub flow_routing: FlowRouting,
+    /// Of `flow_mask`: which areas it tells apart.
+    pub flow_mask: FlowMask,
     /// Of `terrace`.
     pub terrace: Terrace,
     /// Of `range_map`.

@@ -293,12 +293,27 @@ pub fn add(sums: &mut [i32], units: &[i32]) {
 
 /// Runs rounds of droplets over a plane, one after the other: `num_droplets` in all, from round `first_round` on.
 pub fn run(heights: &mut Plane, kernel: &DropletKernel, num_droplets: u32, first_round: u32) {
+    run_while(heights, kernel, num_droplets, first_round, |_| true);
+}
+
+/// The same with a look before each round at whether to go on, given the share of the droplets that have run; whether all of them
+/// have.
+pub fn run_while(
+    heights: &mut Plane,
+    kernel: &DropletKernel,
+    num_droplets: u32,
+    first_round: u32,
+    mut goes_on: impl FnMut(f64) -> bool,
+) -> bool {
     let bounds = heights.rect();
     let width = bounds.width() as usize;
     let mut changes = vec![0_i32; heights.samples().len()];
     let per_round = DropletKernel::droplets_per_round(bounds.area());
     let (mut left, mut round) = (num_droplets, first_round);
     while left > 0 {
+        if !goes_on(1.0 - f64::from(left) / f64::from(num_droplets)) {
+            return false;
+        }
         let count = left.min(per_round);
         for index in 0..count {
             trace(index, round, heights, &bounds, kernel, |x, z, units| {
@@ -309,4 +324,5 @@ pub fn run(heights: &mut Plane, kernel: &DropletKernel, num_droplets: u32, first
         settle_row(heights.samples_mut(), &mut changes);
         (left, round) = (left - count, round.wrapping_add(1));
     }
+    true
 }

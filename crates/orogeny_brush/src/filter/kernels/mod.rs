@@ -66,7 +66,7 @@ impl Step {
     #[must_use]
     pub const fn stem(&self) -> Option<&'static str> {
         match self {
-            Self::Heights | Self::Field(_) | Self::Raster(_) => None,
+            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Region(_) => None,
             Self::Weights(_) => Some(weights::STEM),
             Self::Resample { .. } => Some(resample::STEM),
             Self::Cover { .. } => Some(cover::STEM),
@@ -95,7 +95,9 @@ impl Step {
     /// What its kernel is given beside `num_inputs` planes, to make a rectangle.
     pub(crate) fn data(&self, rect: &SampleRect, num_inputs: usize) -> OwnData {
         match self {
-            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Weights(_) => OwnData::default(),
+            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Region(_) | Self::Weights(_) => {
+                OwnData::default()
+            }
             Self::Resample { placement, heights } => resample::data(placement, *heights, rect),
             Self::Cover { placement, part } => cover::data(placement, part, num_inputs > 0, rect),
             Self::Lerp => OwnData::default(),

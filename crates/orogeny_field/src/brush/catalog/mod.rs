@@ -1,6 +1,7 @@
 //! Every parameter of every brush: name, unit, range, default and meaning.
 
 mod cloning;
+mod drainage;
 mod ground;
 mod kind;
 mod noise;
@@ -16,8 +17,14 @@ const MAX_HEIGHT: f64 = crate::MAX_HEIGHT_M as f64;
 
 /// The tables of parameters: those that all brushes share, then those of single types. A name that stands twice has another
 /// meaning for other brushes.
-pub const PARAMETERS: [&[Parameter]; 5] =
-    [stroke::PARAMETERS, ground::PARAMETERS, cloning::PARAMETERS, noise::PARAMETERS, noise::BY_GROUND];
+pub const PARAMETERS: [&[Parameter]; 6] = [
+    stroke::PARAMETERS,
+    ground::PARAMETERS,
+    drainage::PARAMETERS,
+    cloning::PARAMETERS,
+    noise::PARAMETERS,
+    noise::BY_GROUND,
+];
 
 impl Parameter {
     /// The parameters of one brush type, in the table's order.

@@ -15,8 +15,10 @@ const BLENDING: &[BrushType] = &[
     BrushType::RangeMap,
     BrushType::Stamp,
     BrushType::Clone,
+    BrushType::FillPits,
     BrushType::PaintMask,
     BrushType::EraseMask,
+    BrushType::FlowMask,
     BrushType::Custom,
 ];
 /// The blending brushes whose instances may build up: a stamp's each have a ground of their own.
@@ -25,11 +27,13 @@ const WASHING: &[BrushType] = &[
     BrushType::SetHeight,
     BrushType::Terrace,
     BrushType::RangeMap,
+    BrushType::FillPits,
     BrushType::PaintMask,
     BrushType::EraseMask,
+    BrushType::FlowMask,
 ];
 
-const ERODING: &[BrushType] = &[BrushType::ErodeThermal, BrushType::ErodeFluvial];
+const ERODING: &[BrushType] = &[BrushType::ErodeThermal, BrushType::ErodeFluvial, BrushType::ErodeDroplets];
 /// Those that look at neighbours: half of the strength is plenty for one pass.
 const FILTERING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen, BrushType::Smear];
 pub(super) const SMOOTHING: &[BrushType] = &[BrushType::Smooth, BrushType::Sharpen];

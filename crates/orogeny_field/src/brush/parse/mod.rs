@@ -1,6 +1,8 @@
 //! Brushes to and from JSON, by the table of parameters.
 
 mod cloning;
+mod drainage;
+mod erosion;
 mod fields;
 mod gate;
 mod noise;
@@ -14,7 +16,7 @@ use super::{
     Smoothing, Stamp, StampMode, Symmetry, SymmetryKind, Terrace,
 };
 use crate::noise::Noise;
-use crate::{Error, Pipes, Result, RockLayer, Thermal};
+use crate::{Droplets, Error, FillPits, FlowMask, FlowRouting, Pipes, Result, Thermal};
 use fields::Fields;
 
 impl Brush {
@@ -45,6 +47,10 @@ impl Brush {
             cloning: Cloning::default(),
             thermal: Thermal::default(),
             pipes: Pipes::default(),
+            droplets: Droplets::default(),
+            fill_pits: FillPits::default(),
+            flow_routing: FlowRouting::default(),
+            flow_mask: FlowMask::default(),
             terrace: Terrace::default(),
             range_map: RangeMap::default(),
             end_height_m: None,
@@ -98,8 +104,12 @@ impl Brush {
             noise: if brush_type == BrushType::Noise { noise::read(&fields)? } else { Noise::default() },
             smoothing: smoothing(&fields)?,
             cloning: cloning::read(&fields)?,
-            thermal: thermal(&fields)?,
-            pipes: pipes(&fields)?,
+            thermal: erosion::read_thermal(&fields)?,
+            pipes: erosion::read_pipes(&fields)?,
+            droplets: drainage::read_droplets(&fields)?,
+            fill_pits: drainage::read_fill_pits(&fields)?,
+            flow_routing: drainage::read_routing(&fields)?,
+            flow_mask: drainage::read_flow_mask(&fields)?,
             terrace: terrace(&fields)?,
             range_map: range_map(&fields)?,
             end_height_m: height("end_height")?,
@@ -147,9 +157,11 @@ impl Brush {
 /// How the instances of a brush meet that does not say.
 const fn default_blending(brush_type: BrushType) -> Blending {
     match brush_type {
-        BrushType::Smooth | BrushType::Sharpen | BrushType::ErodeThermal | BrushType::ErodeFluvial => {
-            Blending::BuildUp
-        }
+        BrushType::Smooth
+        | BrushType::Sharpen
+        | BrushType::ErodeThermal
+        | BrushType::ErodeFluvial
+        | BrushType::ErodeDroplets => Blending::BuildUp,
         BrushType::Smear => Blending::Each,
         _ => Blending::Wash,
     }
@@ -271,45 +283,6 @@ fn smoothing(fields: &Fields<'_>) -> Result<Smoothing> {
         } else {
             Smoothing::default().gain
         },
-    })
-}
-
-fn thermal(fields: &Fields<'_>) -> Result<Thermal> {
-    if fields.brush_type() != BrushType::ErodeThermal {
-        return Ok(Thermal::default());
-    }
-    let rock = |fields: &Fields<'_>, from_m| -> Result<RockLayer> {
-        let (talus_angle_deg, rate) = (fields.number("talus_angle")?, fields.number("rate")?);
-        Ok(RockLayer { from_m, talus_angle_deg, rate })
-    };
-    let mut layers = vec![rock(fields, 0.0)?];
-    let mut lowest_m = f64::MIN;
-    for layer in fields.list("layers")? {
-        let from_m = layer.number("from")?;
-        if from_m < lowest_m {
-            let limit = format!("it must not be below the layer before it, {lowest_m} m");
-            return Err(layer.refused("from", from_m, limit));
-        }
-        lowest_m = from_m;
-        layers.push(rock(&layer, from_m)?);
-    }
-    Ok(Thermal { layers, iterations: fields.integer("iterations")? })
-}
-
-fn pipes(fields: &Fields<'_>) -> Result<Pipes> {
-    if fields.brush_type() != BrushType::ErodeFluvial {
-        return Ok(Pipes::default());
-    }
-    Ok(Pipes {
-        rain_m_per_s: fields.number("rain")?,
-        evaporation_per_s: fields.number("evaporation")?,
-        capacity_s_per_m: fields.number("capacity")?,
-        dissolving_per_s: fields.number("dissolving")?,
-        deposition_per_s: fields.number("deposition")?,
-        min_slope_deg: fields.number("min_slope")?,
-        friction_per_s: fields.number("friction")?,
-        iterations: fields.integer("iterations")?,
-        ..Pipes::default()
     })
 }
 
@@ -468,6 +441,12 @@ mod tests {
             "layers": [{"from": 300, "talus_angle": 60, "rate": 0.0625}, {"from": 700, "talus_angle": 10}]}"#,
         r#"{"type": "erode_fluvial", "iterations": 9, "rain": 0.5, "evaporation": 0.125, "capacity": 2, "dissolving": 3,
             "deposition": 4, "min_slope": 5, "friction": 6}"#,
+        r#"{"type": "erode_droplets", "droplets": 0.5, "inertia": 0.25, "capacity": 3, "erosion": 0.75, "deposition": 0.125,
+            "min_slope": 2, "evaporation": 0.0625, "gravity": 9, "erosion_radius": 5, "max_steps": 100, "blending": "wash"}"#,
+        r#"{"type": "fill_pits", "slope": 0.25, "max_depth": 12.5, "blending": "build_up"}"#,
+        r#"{"type": "fill_pits"}"#,
+        r#"{"type": "flow_mask", "routing": "shared", "exponent": 4, "from": 100, "to": 5000, "blending": "build_up"}"#,
+        r#"{"type": "flow_mask", "routing": "steepest"}"#,
         r#"{"type": "paint_mask", "value": 0.25}"#,
         r#"{"type": "custom", "file": "a.wgsl", "parameters": {"step": 3.5, "ragged": 0}, "blending": "wash"}"#,
         r#"{"type": "noise", "normalize": false}"#,
@@ -534,6 +513,11 @@ mod tests {
             (r#"{"type": "erode_thermal", "layers": [{"rate": 0.3}]}"#, "layers[0].rate"),
             (r#"{"type": "erode_thermal", "layers": [{}, {}, {}, {}, {}, {}, {}, {}]}"#, "at most 7"),
             (r#"{"type": "smear", "blending": "wash"}"#, "blending"),
+            (r#"{"type": "erode_droplets", "erosion_radius": 9}"#, "erosion_radius"),
+            (r#"{"type": "erode_droplets", "seed": 3}"#, "seed"),
+            (r#"{"type": "fill_pits", "max_depth": -1}"#, "max_depth"),
+            (r#"{"type": "flow_mask", "exponent": 2}"#, "routing"),
+            (r#"{"type": "flow_mask", "from": 500, "to": 500}"#, "`from`"),
             (r#"{"type": "raise", "step": 3}"#, "step"),
             (r#"{"type": "raise", "airbrush": 1}"#, "airbrush"),
         ] {

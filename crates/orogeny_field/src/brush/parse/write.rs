@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{cloning, gate, noise};
+use super::{cloning, drainage, gate, noise};
 use crate::brush::{
     Alpha, Brush, BrushType, DataSource, Dynamics, Jitter, Parameter, ProfileShape, RangeMapping, Symmetry,
     SymmetryKind,
@@ -119,6 +119,7 @@ impl Brush {
             let values = custom.parameters.iter().map(|(name, value)| (name.clone(), (*value).into()));
             put("parameters", Value::Object(values.collect()));
         }
+        object.append(&mut drainage::write(self));
         if self.brush_type == BrushType::Clone {
             object.append(&mut cloning::write(&self.cloning));
         }
