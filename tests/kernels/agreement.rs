@@ -224,7 +224,7 @@ fn compare_once(
 }
 
 /// Heights as values of a mask.
-fn as_mask(heights: &Plane) -> Plane {
+pub fn as_mask(heights: &Plane) -> Plane {
     Plane::from_fn(heights.width(), heights.depth(), |x, z| (heights.at(x, z).abs() / 977.0).fract())
 }
 

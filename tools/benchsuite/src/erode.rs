@@ -1,12 +1,13 @@
-//! `erode`: thermal erosion and running water over 2048 x 2048 resident samples, as fills through the CPU back end.
+//! `erode`: thermal erosion, running water, droplets, filled pits and masks of flow over 2048 x 2048 resident samples, as fills
+//! through the CPU back end.
 //!
-//! Rates are samples times iterations a second. No library on the package registries erodes a heightfield, so there is nothing to
-//! run beside them; the share of the limit is that of the bandwidth at which the same threads copy memory, 8 bytes for each
-//! sample and iteration.
+//! Rates are samples times iterations a second; of droplets, one of them for each sample, droplets a second. No library on the
+//! package registries erodes a heightfield, so there is nothing to run beside them; the share of the limit is that of the bandwidth at
+//! which the same threads copy memory, 8 bytes for each sample and iteration.
 
 use anyhow::Result;
 use orogeny_field::noise::Noise;
-use orogeny_field::{Brush, BrushType, Pipes, Thermal};
+use orogeny_field::{Brush, BrushType, FlowRouting, Pipes, Thermal};
 
 use crate::fill::Fill;
 use crate::limit::CopyLimit;
@@ -15,7 +16,7 @@ use crate::report::{Figure, Report};
 
 const SIDE: u64 = 2048;
 const ITERATIONS: u32 = 20;
-const NUM_SAMPLE_ITERATIONS: f64 = (SIDE * SIDE) as f64 * ITERATIONS as f64;
+const NUM_SAMPLES: f64 = (SIDE * SIDE) as f64;
 
 pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
     let num_cores = std::thread::available_parallelism()?.get();
@@ -25,30 +26,40 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
         let mut limit = CopyLimit::new();
         let mut copies = Times::default();
         let mut cases = vec![];
-        for (name, brush) in brushes() {
-            cases.push((name, Fill::new(num_threads, SIDE, 4.0, Some(&hills()), &brush)?, Times::default()));
+        for (name, brush, iterations) in brushes() {
+            let fill = Fill::new(num_threads, SIDE, 4.0, Some(&hills()), &brush)?;
+            cases.push((name, iterations, fill, Times::default()));
         }
         for _ in 0..repeat {
             limit.copy(&mut copies, num_threads);
-            for (_, fill, times) in &mut cases {
+            for (.., fill, times) in &mut cases {
                 fill.measure(times)?;
             }
         }
         let copy_bytes_per_s = CopyLimit::bytes() / copies.median_s();
-        for (name, _, times) in cases {
+        for (name, iterations, _, times) in cases {
             let name = format!("erode {name} as a fill, {num_threads} threads");
-            report.add(Figure::rate(name, &times, NUM_SAMPLE_ITERATIONS, Some(copy_bytes_per_s)));
+            let num = NUM_SAMPLES * f64::from(iterations);
+            report.add(Figure::rate(name, &times, num, Some(copy_bytes_per_s)));
         }
     }
     Ok(())
 }
 
-fn brushes() -> [(&'static str, Brush); 2] {
+/// Each with its iterations.
+fn brushes() -> [(&'static str, Brush, u32); 6] {
     let thermal = Thermal { iterations: ITERATIONS, ..Thermal::default() };
     let pipes = Pipes { iterations: ITERATIONS, ..Pipes::default() };
+    let flow_routing = FlowRouting::shared();
+    let shared = Brush { flow_routing, ..Brush::new(BrushType::FlowMask, 1.0, 1.0) };
     [
-        ("thermal", Brush { thermal, ..Brush::new(BrushType::ErodeThermal, 1.0, 1.0) }),
-        ("fluvial", Brush { pipes, ..Brush::new(BrushType::ErodeFluvial, 1.0, 1.0) }),
+        ("thermal", Brush { thermal, ..Brush::new(BrushType::ErodeThermal, 1.0, 1.0) }, ITERATIONS),
+        ("fluvial", Brush { pipes, ..Brush::new(BrushType::ErodeFluvial, 1.0, 1.0) }, ITERATIONS),
+        ("droplets", Brush::new(BrushType::ErodeDroplets, 1.0, 1.0), 1),
+        // Half of the way, so that pits are left for the next time.
+        ("filled pits", Brush::new(BrushType::FillPits, 1.0, 0.5), 1),
+        ("flow mask", Brush::new(BrushType::FlowMask, 1.0, 1.0), 1),
+        ("shared flow mask", shared, 1),
     ]
 }
 

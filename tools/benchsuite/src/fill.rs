@@ -9,6 +9,9 @@ use orogeny_pages::MemoryPages;
 
 use crate::measure::Times;
 
+/// What brushes for masks paint.
+const MASK: FieldId = FieldId(1);
+
 /// A fill, again and again.
 pub struct Fill {
     executor: CpuExecutor,
@@ -32,6 +35,9 @@ impl Fill {
         let mut plan = |brush: &Brush| {
             let clone_ground =
                 (brush.brush_type == BrushType::Clone).then(|| rough_ground(side as i32, spacing_m));
+            let is_mask = brush.brush_type.is_for_masks();
+            let field = if is_mask { MASK } else { canvas.field };
+            let canvas = Canvas { field, is_mask, ..canvas };
             let resources = Resources { clone_ground, ..Resources::default() };
             plan_fill(brush, 3, canvas, resources, grid.bounds(), &mut store)
         };
