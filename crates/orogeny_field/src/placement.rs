@@ -164,12 +164,12 @@ impl Placement {
         }
         let corners =
             [(rect.x0, rect.z0), (rect.x1 - 1, rect.z0), (rect.x0, rect.z1 - 1), (rect.x1 - 1, rect.z1 - 1)];
-        let places = corners.map(|(x, z)| self.place([f64::from(x), f64::from(z)]));
-        // The two parts of a place are rounded apart: a sample more on each side holds whatever comes of it.
-        let bounds = |along: fn(&[f64; 2]) -> f64| {
-            let parts = || places.iter().map(along).map(|part| part.clamp(-FAR, FAR));
-            let (low, high) = (parts().fold(f64::MAX, f64::min), parts().fold(f64::MIN, f64::max));
-            (low.floor() as i32 - 1, high.floor() as i32 + 3)
+        // Of the parts that kernels add up: far away each is cut by itself, which the place as a whole would not show.
+        let cells = corners.map(|(x, z)| Place::sum(self.column(x), self.row(z)).0);
+        // Rounding is another in each: a sample more on each side holds whatever comes of it.
+        let bounds = |along: fn(&[i32; 2]) -> i32| {
+            let parts = || cells.iter().map(along);
+            (parts().min().unwrap_or_default() - 1, parts().max().unwrap_or_default() + 3)
         };
         let ((x0, x1), (z0, z1)) = (bounds(|[x, _]| *x), bounds(|[_, z]| *z));
         SampleRect::new(x0, z0, x1, z1)
