@@ -111,3 +111,38 @@ fn what_cannot_be_worked_out_is_refused_and_nothing_changes() {
     }
     assert_eq!(folder.succeed("log t.orogeny")["entries"].as_array().map(Vec::len), Some(0));
 }
+
+#[test]
+fn what_rain_leaves_is_seen_as_a_selection() {
+    let folder = Folder::new();
+    folder.succeed("new t.orogeny --size 96x96 --spacing 10");
+    // A bowl: water runs to its middle.
+    let bowl = json!({ "type": "lower", "radius": 450, "strength": 200 });
+    let stroke = json!({ "op": "stroke", "brush": bowl, "points": [[480, 480]] });
+    let mask = |shows: &str| {
+        let brush = json!({ "type": "rain_mask", "shows": shows, "iterations": 150, "from": 0, "to": 1 });
+        json!({ "op": "fill", "target": "selection", "brush": brush })
+    };
+    let raise =
+        json!({ "op": "fill", "brush": { "type": "raise", "strength": 7, "gate": { "selection": true } } });
+    let changes = |shows: &str| {
+        let heights = |operations: &Value| {
+            folder.write("recipe.json", json!({ "operations": operations }).to_string());
+            folder.succeed("apply t.orogeny recipe.json");
+            folder.succeed("export t.orogeny out.r32");
+            folder.heights("out.r32")
+        };
+        let before = heights(&json!([stroke]));
+        let after = heights(&json!([mask(shows), raise]));
+        folder.succeed("undo t.orogeny -n 3");
+        let change = |x: usize, z: usize| after[z * 96 + x] - before[z * 96 + x];
+        // In the middle, on the slope, on the flat rim.
+        [change(48, 48), change(48, 30), change(2, 2)]
+    };
+    let [water, _, dry] = changes("water");
+    assert!(water > 5.0 && dry < 4.0, "{water} and {dry}");
+    let [deposits, slope, _] = changes("deposits");
+    assert!(deposits > slope, "{deposits} and {slope}");
+    let [middle, worn, flat] = changes("wear");
+    assert!(worn > middle && worn > flat, "{worn}, {middle} and {flat}");
+}

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::program::{Folder, Ran};
 
-const BRUSHES: [&str; 24] = [
+const BRUSHES: [&str; 25] = [
     "raise",
     "lower",
     "ledge",
@@ -28,6 +28,7 @@ const BRUSHES: [&str; 24] = [
     "paint_mask",
     "erase_mask",
     "flow_mask",
+    "rain_mask",
     "custom",
 ];
 

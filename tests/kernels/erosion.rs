@@ -2,7 +2,8 @@
 
 use orogeny_brush::{CpuExecutor, Executor};
 use orogeny_field::{
-    Blending, Brush, BrushType, PageLayout, Pipes, PointerSample, RockLayer, SampleRect, Stroke, Thermal,
+    Blending, Brush, BrushType, PageLayout, Pipes, PointerSample, RainMask, RainShows, RockLayer, SampleRect,
+    Stroke, Thermal,
 };
 use orogeny_tests::{Feed, Operation, Plane, paint, terrain};
 
@@ -21,6 +22,12 @@ fn fluvial(iterations: u32) -> Brush {
     Brush { pipes, ..Brush::new(BrushType::ErodeFluvial, 1.0, 1.0) }
 }
 
+fn rain_mask(shows: RainShows, to_m: f64) -> Brush {
+    let rain_mask = RainMask { shows, from_m: 0.0, to_m };
+    let pipes = Pipes { iterations: 10, ..Pipes::default() };
+    Brush { rain_mask, pipes, ..Brush::new(BrushType::RainMask, 1.0, 1.0) }
+}
+
 fn brushes() -> Vec<(&'static str, Brush)> {
     vec![
         ("thermal", thermal(10, vec![rock(0.0, 30.0, 0.25)])),
@@ -30,6 +37,8 @@ fn brushes() -> Vec<(&'static str, Brush)> {
             thermal(5, vec![rock(0.0, 40.0, 0.25), rock(100.0, 10.0, 0.1), rock(800.0, 60.0, 0.2)]),
         ),
         ("fluvial", fluvial(10)),
+        ("rain mask, water", rain_mask(RainShows::Water, 0.05)),
+        ("rain mask, wear", rain_mask(RainShows::Wear, 0.001)),
     ]
 }
 

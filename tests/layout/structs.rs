@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use orogeny_brush::filter::kernels::band::BandUniform;
+use orogeny_brush::filter::kernels::channel::ChannelUniform;
 use orogeny_brush::filter::kernels::combine::CombineUniform;
 use orogeny_brush::filter::kernels::convolve::ConvolveUniform;
 use orogeny_brush::filter::kernels::grab::GrabUniform;
@@ -112,6 +113,7 @@ fn mirrors() -> Vec<Mirror> {
         mirror!("Place", Place { cell, fraction }),
         mirror!("Resample", ResampleUniform { scale, offset_m }),
         mirror!("Cover", Part { first, last, inverse_feather, padding }),
+        mirror!("Channel", ChannelUniform { number, from_value, inverse_width }),
         mirror!("Combine", CombineUniform { factors }),
         mirror!("Band", BandUniform { factor }),
         mirror!("Grab", GrabUniform { num_drags, num_steps, inverse_num_steps }),

@@ -4,8 +4,8 @@ use orogeny_field::noise::{Noise, Normalization, Turbulence};
 use orogeny_field::{
     Alignment, Alpha, AlphaRotation, Blending, Brush, BrushType, CloneBlend, CloneSource, Cloning, Coverage,
     DataSource, Droplets, FieldId, FillPits, FlowMask, FlowRouting, Jitter, LedgeDirection, LevelOnly,
-    PageLayout, PointerSample, PressureTarget, ProfileShape, RangeMap, RangeMapping, SampleRect,
-    SmoothMethod, Smoothing, Stamp, StampMode, Stroke, Terrace, TerrainGrid, is_storable_height,
+    PageLayout, PointerSample, PressureTarget, ProfileShape, RainMask, RainShows, RangeMap, RangeMapping,
+    SampleRect, SmoothMethod, Smoothing, Stamp, StampMode, Stroke, Terrace, TerrainGrid, is_storable_height,
 };
 use orogeny_tests::{Feed, Operation, Plane, Random, compare, gpu, paint, terrain};
 use proptest::prelude::*;
@@ -152,6 +152,10 @@ fn extreme_brush(random: &mut Random) -> Brush {
             FlowRouting::Steepest,
             FlowRouting::Shared { exponent: 0.0 },
             FlowRouting::Shared { exponent: 100.0 },
+        ]),
+        rain_mask: random.one_of(&[
+            RainMask { shows: RainShows::Sediment, from_m: 0.0, to_m: 1.0e-300 },
+            RainMask { shows: RainShows::Deposits, from_m: 0.0, to_m: 1.0e7 },
         ]),
         flow_mask: random.one_of(&[
             FlowMask { from_m2: 0.001, to_m2: 1.0e18 },

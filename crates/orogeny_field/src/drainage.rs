@@ -54,3 +54,35 @@ impl Default for FlowMask {
         Self { from_m2: 1.0e4, to_m2: 1.0e7 }
     }
 }
+
+/// What a mask of rain shows of a shower ([`crate::Pipes`]) over the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RainShows {
+    /// How deep water stands when it ends.
+    #[default]
+    Water,
+    /// How much rock the water carries then.
+    Sediment,
+    /// How much ground it laid down.
+    Deposits,
+    /// How much ground it took away.
+    Wear,
+}
+
+/// What a mask of rain tells apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RainMask {
+    /// Of what.
+    pub shows: RainShows,
+    /// Up to so many metres the mask is 0.
+    pub from_m: f64,
+    /// From so many metres on it is 1; above [`Self::from_m`].
+    pub to_m: f64,
+}
+
+impl Default for RainMask {
+    fn default() -> Self {
+        Self { shows: RainShows::default(), from_m: 0.0, to_m: 1.0 }
+    }
+}

@@ -48,7 +48,7 @@ pub use brush::{
     SmoothMethod, Smoothing, Stamp, StampMode, Symmetry, SymmetryKind, Terrace, TerraceSteps,
 };
 pub use curve::{CURVE_TABLE_LENGTH, Curve, CurveTable, MAX_CURVE_POINTS};
-pub use drainage::{FillPits, FlowMask, FlowRouting};
+pub use drainage::{FillPits, FlowMask, FlowRouting, RainMask, RainShows};
 pub use erosion::{
     DISC_LANES, DROPLET_BUDGET, DROPLETS_PER_ROUND, DiscPart, DropletKernel, Droplets, MAX_DROPLET_RADIUS,
     MAX_DROPLET_STEPS, MAX_EROSION_ITERATIONS, MAX_ROCK_LAYERS, MAX_TALUS_ANGLE_DEG, MAX_THERMAL_RATE, Pipes,

@@ -85,8 +85,12 @@ fn source<'a>(graph: &Graph, planes: &'a [Option<Plane>], input: usize) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::canvas::Canvas;
     use crate::filter::Filter;
-    use orogeny_field::{Brush, BrushType, SmoothMethod, Smoothing, TerrainGrid, gaussian_weights, mirrored};
+    use orogeny_field::{
+        Brush, BrushType, FieldId, PageLayout, SmoothMethod, Smoothing, TerrainGrid, gaussian_weights,
+        mirrored,
+    };
 
     const WIDTH: i32 = 157;
     const DEPTH: i32 = 118;
@@ -101,6 +105,10 @@ mod tests {
         Plane::from_samples(rect, 1, places.map(|(x, z)| height(x, z)).collect()).unwrap()
     }
 
+    fn canvas(grid: TerrainGrid) -> Canvas {
+        Canvas::heights(grid, PageLayout::default(), FieldId(0))
+    }
+
     fn graphs() -> Vec<(String, Filter)> {
         let grid = TerrainGrid::new(WIDTH as u64, DEPTH as u64, 1.0).unwrap();
         let mut graphs = Vec::new();
@@ -108,12 +116,15 @@ mod tests {
             for width in [0.7, 1.0, 3.0, 4.1, 9.0, 30.0] {
                 let smoothing = Smoothing { method, width_m: Some(width), ..Smoothing::default() };
                 let brush = Brush { smoothing, ..Brush::new(BrushType::Smooth, 10.0, 1.0) };
-                graphs.push((format!("{method:?} {width}"), Filter::of(&brush, &grid).unwrap().unwrap()));
+                graphs.push((
+                    format!("{method:?} {width}"),
+                    Filter::of(&brush, &canvas(grid)).unwrap().unwrap(),
+                ));
             }
         }
         graphs.push(("drag".to_owned(), Filter::drag(&grid, [3.25, -7.5])));
         let sharpen = Brush::new(BrushType::Sharpen, 20.0, 1.0);
-        graphs.push(("sharpen".to_owned(), Filter::of(&sharpen, &grid).unwrap().unwrap()));
+        graphs.push(("sharpen".to_owned(), Filter::of(&sharpen, &canvas(grid)).unwrap().unwrap()));
         graphs
     }
 
@@ -197,7 +208,7 @@ mod tests {
         for sigma in [0.5, 2.0, 3.9, 4.1, 6.0, 7.9, 8.5, 16.0, 33.0, 64.0] {
             let smoothing = Smoothing { width_m: Some(sigma), ..Smoothing::default() };
             let brush = Brush { smoothing, ..Brush::new(BrushType::Smooth, 10.0, 1.0) };
-            let filter = Filter::of(&brush, &grid).unwrap().unwrap();
+            let filter = Filter::of(&brush, &canvas(grid)).unwrap().unwrap();
             let whole = work_out(&filter.graph, &ground, ground.rect());
             let (mut error, mut change) = (0.0, 0.0);
             for ((height, direct), ours) in

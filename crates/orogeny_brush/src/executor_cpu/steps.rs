@@ -3,8 +3,8 @@
 use orogeny_field::{PYRAMID_PHASES, Place, Plane, SampleRect, mirrored};
 use orogeny_reference::field::between::Ground;
 use orogeny_reference::field::{
-    Channel, band, combine, convolve, cover, grab, interpolate, lerp, pipes, resample, sharpen, shift,
-    thermal,
+    Channel, band, channel, combine, convolve, cover, grab, interpolate, lerp, pipes, resample, sharpen,
+    shift, thermal,
 };
 use rayon::prelude::*;
 
@@ -266,6 +266,9 @@ fn work_out_row(
             let mask = mask.columns(z, x, length, buffer);
             let level = level.columns(z, x, length, other);
             band::row(target, mask, level, coarser, below, *factor);
+        }
+        (Step::Channel { number, from, inverse_width }, [source]) => {
+            channel::row(target, part(source.plane, *number, x, z, length), *from, *inverse_width);
         }
         (Step::Grab(kernel), [source]) => grab::row(target, x, z, &source.ground(), kernel),
         _ => debug_assert!(false, "{step:?} of {} planes", sources.len()),

@@ -5,7 +5,8 @@
 
 use std::sync::Arc;
 
-use orogeny_field::{PipesKernel, ThermalKernel};
+use orogeny_field::{PipesKernel, RainMask, RainShows, ThermalKernel};
+use orogeny_reference::field::pipes;
 
 use super::{Graph, PipesPhase, Step, ThermalPhase};
 
@@ -21,6 +22,31 @@ pub(super) fn add_thermal(graph: &mut Graph, input: usize, kernel: ThermalKernel
 
 /// Adds the ground after `iterations` of running water.
 pub(super) fn add_pipes(graph: &mut Graph, input: usize, kernel: PipesKernel, iterations: u32) -> usize {
+    add_shower(graph, input, kernel, iterations).1
+}
+
+/// Adds a mask of what `iterations` of running water leave on the ground.
+pub(super) fn add_rain_mask(
+    graph: &mut Graph,
+    input: usize,
+    kernel: PipesKernel,
+    iterations: u32,
+    mask: &RainMask,
+) -> usize {
+    let (state, ground) = add_shower(graph, input, kernel, iterations);
+    let (plane, number) = match mask.shows {
+        RainShows::Water => (state, pipes::WATER),
+        RainShows::Sediment => (state, pipes::SEDIMENT),
+        RainShows::Deposits => (graph.add(Step::Combine { factors: [1.0, -1.0] }, &[ground, input]), 0),
+        RainShows::Wear => (graph.add(Step::Combine { factors: [-1.0, 1.0] }, &[ground, input]), 0),
+    };
+    // Finite for the narrowest range that `f32` tells apart.
+    let inverse_width = (1.0 / (mask.to_m - mask.from_m)).min(f64::from(f32::MAX)) as f32;
+    graph.add(Step::Channel { number, from: mask.from_m as f32, inverse_width }, &[plane])
+}
+
+/// Adds ground, water and sediment as they are when it ends, and the ground once all is laid down.
+fn add_shower(graph: &mut Graph, input: usize, kernel: PipesKernel, iterations: u32) -> (usize, usize) {
     let kernel = Arc::new(kernel);
     let step = |phase| Step::Pipes { phase, kernel: Arc::clone(&kernel) };
     let mut state = graph.add(step(PipesPhase::Begin), &[input]);
@@ -33,5 +59,5 @@ pub(super) fn add_pipes(graph: &mut Graph, input: usize, kernel: PipesKernel, it
         state = graph.add(step(PipesPhase::Ground), &[state, new]);
         flux = Some(new);
     }
-    graph.add(step(PipesPhase::Settle), &[state])
+    (state, graph.add(step(PipesPhase::Settle), &[state]))
 }

@@ -23,6 +23,7 @@ use orogeny_field::{
 };
 
 use crate::Result;
+use crate::canvas::Canvas;
 
 pub use blocks::{Block, blocks};
 pub use cloning::CloneGround;
@@ -49,7 +50,8 @@ impl Filter {
     ///
     /// # Errors
     /// [`orogeny_field::Error::BrushValue`] for a width of more samples than are looked at.
-    pub fn of(brush: &Brush, grid: &TerrainGrid) -> Result<Option<Self>> {
+    pub fn of(brush: &Brush, canvas: &Canvas) -> Result<Option<Self>> {
+        let grid = &canvas.grid;
         let mut graph = Graph::new([grid.width(), grid.depth()]);
         match brush.brush_type {
             BrushType::Smooth => match brush.smoothing.method {
@@ -68,6 +70,13 @@ impl Filter {
             BrushType::ErodeFluvial => {
                 let kernel = PipesKernel::new(brush.brush_type.name(), &brush.pipes, grid.spacing_m())?;
                 erosion::add_pipes(&mut graph, Graph::HEIGHTS, kernel, brush.pipes.iterations);
+            }
+            BrushType::RainMask => {
+                let kernel = PipesKernel::new(brush.brush_type.name(), &brush.pipes, grid.spacing_m())?;
+                // A mask is made of the layer's heights, and not of itself.
+                let heights = graph.add(Step::Field(canvas.heights), &[]);
+                let (iterations, mask) = (brush.pipes.iterations, &brush.rain_mask);
+                erosion::add_rain_mask(&mut graph, heights, kernel, iterations, mask);
             }
             _ => return Ok(None),
         }
@@ -92,7 +101,7 @@ const DEFAULT_WIDTH_SHARE: f64 = 8.0;
 
 /// Whether a brush waits for the stroke's end: what it makes of the ground takes long, and is made once.
 pub(crate) const fn waits_for_end(brush_type: BrushType) -> bool {
-    matches!(brush_type, BrushType::ErodeThermal | BrushType::ErodeFluvial)
+    matches!(brush_type, BrushType::ErodeThermal | BrushType::ErodeFluvial | BrushType::RainMask)
         || region::is_region_wide(brush_type)
 }
 

@@ -61,6 +61,15 @@ pub enum Step {
         /// How much of it.
         factor: f32,
     },
+    /// `field/channel`: one quantity of several, as a mask.
+    Channel {
+        /// Which one.
+        number: u32,
+        /// Up to this it is 0.
+        from: f32,
+        /// 1 over how much more it takes to be 1.
+        inverse_width: f32,
+    },
     /// `field/grab`: the ground moved along with brushes.
     Grab(Arc<GrabKernel>),
     /// `field/convolve`: a symmetric filter, centred on every `stride`-th sample.
@@ -177,9 +186,11 @@ impl Step {
                 ((x0, x1), (z0, z1))
             }
             Self::Band { .. } if input >= 2 => (coarse(x0, x1, &PYRAMID_PHASES), (z0, z1)),
-            Self::Sharpen { .. } | Self::Lerp | Self::Combine { .. } | Self::Band { .. } => {
-                ((x0, x1), (z0, z1))
-            }
+            Self::Sharpen { .. }
+            | Self::Channel { .. }
+            | Self::Lerp
+            | Self::Combine { .. }
+            | Self::Band { .. } => ((x0, x1), (z0, z1)),
             // The spline takes a sample more on each side.
             Self::Resample { placement, .. } | Self::Cover { placement, .. } => {
                 let SampleRect { x0, z0, x1, z1 } = placement.source_rect(rect).grown(1);

@@ -162,7 +162,8 @@ impl Stage {
             | BrushType::ErodeFluvial
             | BrushType::ErodeDroplets
             | BrushType::FillPits
-            | BrushType::FlowMask => Self::Blend,
+            | BrushType::FlowMask
+            | BrushType::RainMask => Self::Blend,
             BrushType::Terrace => Self::Terrace,
             BrushType::RangeMap => Self::RangeMap,
             BrushType::Stamp => Self::Stamp,

@@ -215,8 +215,10 @@ impl StrokePlanner {
             (Coverage::Blending, _) if Stage::of(brush.brush_type).has_goal_of_instance() => {
                 WeightMode::Direct
             }
-            // What is gathered is one wash, of however many instances.
-            (Coverage::Blending, _) if self.gathers() => WeightMode::Wash,
+            // A clone that is gathered is one wash, of however many instances.
+            (Coverage::Blending, _) if brush.brush_type == BrushType::Clone && self.gathers() => {
+                WeightMode::Wash
+            }
             // Each instance drags along, or copies onto, what the one before it left.
             (Coverage::Blending, _) if matches!(brush.brush_type, BrushType::Smear | BrushType::Clone) => {
                 WeightMode::Direct

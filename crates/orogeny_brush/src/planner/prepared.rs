@@ -85,7 +85,7 @@ impl Plan {
                 Some(frames) => Rule::Noise(Arc::clone(frames.kernel())),
                 None => return Err(missing(brush, "points", "a noise has its place by the first")),
             },
-            Stage::Blend => match Filter::of(brush, &self.canvas.grid)? {
+            Stage::Blend => match Filter::of(brush, &self.canvas)? {
                 Some(filter) => Rule::Filter(filter),
                 // Each instance has a filter of its own, the whole stroke has one at its end, or it is that of a region.
                 None => Rule::Filter(Filter::drag(&self.canvas.grid, [0.0; 2])),

@@ -21,7 +21,7 @@ pub use settings::{
 };
 
 use crate::noise::Noise;
-use crate::{Droplets, FillPits, FlowMask, FlowRouting, Pipes, Thermal};
+use crate::{Droplets, FillPits, FlowMask, FlowRouting, Pipes, RainMask, Thermal};
 
 /// What a brush does to the heights under it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -73,13 +73,15 @@ pub enum BrushType {
     EraseMask,
     /// Pulls a mask towards where water gathers.
     FlowMask,
+    /// Pulls a mask to what rain leaves.
+    RainMask,
     /// Does what a file of its user's says.
     Custom,
 }
 
 impl BrushType {
     /// All of them, in the order in which they are listed.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::Raise,
         Self::Lower,
         Self::Ledge,
@@ -103,6 +105,7 @@ impl BrushType {
         Self::PaintMask,
         Self::EraseMask,
         Self::FlowMask,
+        Self::RainMask,
         Self::Custom,
     ];
 
@@ -133,6 +136,7 @@ impl BrushType {
             Self::PaintMask => "paint_mask",
             Self::EraseMask => "erase_mask",
             Self::FlowMask => "flow_mask",
+            Self::RainMask => "rain_mask",
             Self::Custom => "custom",
         }
     }
@@ -164,6 +168,9 @@ impl BrushType {
             Self::PaintMask => "paints a mask or a selection",
             Self::EraseMask => "erases a mask or a selection",
             Self::FlowMask => "paints a mask or a selection where water gathers on the layer's heights",
+            Self::RainMask => {
+                "paints a mask or a selection by what rain leaves: water, sediment, deposits, wear"
+            }
             Self::Custom => "does what a WGSL file of your own says; needs a GPU or the software adapter",
         }
     }
@@ -191,6 +198,7 @@ impl BrushType {
             | Self::PaintMask
             | Self::EraseMask
             | Self::FlowMask
+            | Self::RainMask
             | Self::Custom => Coverage::Blending,
         }
     }
@@ -198,7 +206,7 @@ impl BrushType {
     /// Whether it is for masks and selections, whose values are 0..1, rather than for heights.
     #[must_use]
     pub const fn is_for_masks(self) -> bool {
-        matches!(self, Self::PaintMask | Self::EraseMask | Self::FlowMask)
+        matches!(self, Self::PaintMask | Self::EraseMask | Self::FlowMask | Self::RainMask)
     }
 
     /// The type with this name.
@@ -313,7 +321,7 @@ pub struct Brush {
     pub cloning: Cloning,
     /// Of `erode_thermal`.
     pub thermal: Thermal,
-    /// Of `erode_fluvial`.
+    /// Of `erode_fluvial` and `rain_mask`.
     pub pipes: Pipes,
     /// Of `erode_droplets`; its seed is that of the operation.
     pub droplets: Droplets,
@@ -323,6 +331,8 @@ pub struct Brush {
     pub flow_routing: FlowRouting,
     /// Of `flow_mask`: which areas it tells apart.
     pub flow_mask: FlowMask,
+    /// Of `rain_mask`.
+    pub rain_mask: RainMask,
     /// Of `terrace`.
     pub terrace: Terrace,
     /// Of `range_map`.

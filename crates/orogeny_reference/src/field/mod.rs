@@ -3,6 +3,7 @@
 mod around;
 pub mod band;
 pub mod between;
+pub mod channel;
 pub mod coarsen;
 pub mod combine;
 pub mod convolve;

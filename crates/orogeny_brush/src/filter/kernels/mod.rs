@@ -1,6 +1,7 @@
 //! The kernels of steps: for each its stem, and what it is given on a GPU beside the planes.
 
 pub mod band;
+pub mod channel;
 pub mod combine;
 pub mod convolve;
 pub mod cover;
@@ -72,6 +73,7 @@ impl Step {
             Self::Cover { .. } => Some(cover::STEM),
             Self::Combine { .. } => Some(combine::STEM),
             Self::Lerp => Some(lerp::STEM),
+            Self::Channel { .. } => Some(channel::STEM),
             Self::Band { .. } => Some(band::STEM),
             Self::Grab(_) => Some(grab::STEM),
             Self::Convolve { .. } => Some(convolve::STEM),
@@ -101,6 +103,7 @@ impl Step {
             Self::Resample { placement, heights } => resample::data(placement, *heights, rect),
             Self::Cover { placement, part } => cover::data(placement, part, num_inputs > 0, rect),
             Self::Lerp => OwnData::default(),
+            Self::Channel { number, from, inverse_width } => channel::data(*number, *from, *inverse_width),
             Self::Combine { factors } => combine::data(*factors),
             Self::Band { factor } => band::data(*factor, num_inputs),
             Self::Grab(kernel) => grab::data(kernel),

@@ -7,6 +7,7 @@ use crate::{MAX_DROPLET_RADIUS, MAX_DROPLET_STEPS};
 
 const DROPLETS: &[BrushType] = &[BrushType::ErodeDroplets];
 const FILL_PITS: &[BrushType] = &[BrushType::FillPits];
+const RAIN_MASK: &[BrushType] = &[BrushType::RainMask];
 const FLOW_MASK: &[BrushType] = &[BrushType::FlowMask];
 
 /// The smallest area that a mask tells apart, in m²: 2^-10, which `f32` holds as it is.
@@ -70,4 +71,16 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     parameter("to", number(MIN_AREA_M2, MAX_AREA_M2, 1.0e7), "where this area drains or more, the mask is 1")
         .in_unit("m²")
         .of_brushes(FLOW_MASK),
+    parameter(
+        "shows",
+        ParameterKind::Choice { words: &["water", "sediment", "deposits", "wear"] },
+        "how deep water stands; how much rock it carries; how much ground it laid down, or took away",
+    )
+    .of_brushes(RAIN_MASK),
+    parameter("from", number(0.0, MAX_HEIGHT, 0.0), "where there is no more of it than this, the mask is 0")
+        .in_unit("m")
+        .of_brushes(RAIN_MASK),
+    parameter("to", number(0.0, MAX_HEIGHT, 1.0), "where there is this much of it or more, the mask is 1")
+        .in_unit("m")
+        .of_brushes(RAIN_MASK),
 ];

@@ -146,7 +146,7 @@ const LAYER: &[Parameter] = &[
     parameter("rate", RATE, "how much of what is too steep slides in two iterations"),
 ];
 const THERMAL: &[BrushType] = &[BrushType::ErodeThermal];
-const FLUVIAL: &[BrushType] = &[BrushType::ErodeFluvial];
+const FLUVIAL: &[BrushType] = &[BrushType::ErodeFluvial, BrushType::RainMask];
 const TERRACE: &[BrushType] = &[BrushType::Terrace];
 const RANGE_MAP: &[BrushType] = &[BrushType::RangeMap];
 const CUSTOM: &[BrushType] = &[BrushType::Custom];

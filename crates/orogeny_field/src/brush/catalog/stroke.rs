@@ -19,6 +19,7 @@ const BLENDING: &[BrushType] = &[
     BrushType::PaintMask,
     BrushType::EraseMask,
     BrushType::FlowMask,
+    BrushType::RainMask,
     BrushType::Custom,
 ];
 /// The blending brushes whose instances may build up: a stamp's each have a ground of their own.
@@ -31,6 +32,7 @@ const WASHING: &[BrushType] = &[
     BrushType::PaintMask,
     BrushType::EraseMask,
     BrushType::FlowMask,
+    BrushType::RainMask,
 ];
 
 const ERODING: &[BrushType] = &[BrushType::ErodeThermal, BrushType::ErodeFluvial, BrushType::ErodeDroplets];

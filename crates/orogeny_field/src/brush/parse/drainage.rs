@@ -4,8 +4,9 @@ use serde_json::{Map, Value, json};
 
 use super::fields::Fields;
 use super::only_with;
+use super::write::word;
 use crate::brush::{Brush, BrushType};
-use crate::{Droplets, FillPits, FlowMask, FlowRouting, Result};
+use crate::{Droplets, FillPits, FlowMask, FlowRouting, RainMask, RainShows, Result};
 
 pub(super) fn read_droplets(fields: &Fields<'_>) -> Result<Droplets> {
     if fields.brush_type() != BrushType::ErodeDroplets {
@@ -60,6 +61,17 @@ pub(super) fn read_flow_mask(fields: &Fields<'_>) -> Result<FlowMask> {
     Ok(mask)
 }
 
+pub(super) fn read_rain_mask(fields: &Fields<'_>) -> Result<RainMask> {
+    if fields.brush_type() != BrushType::RainMask {
+        return Ok(RainMask::default());
+    }
+    let (from_m, to_m) = (fields.number("from")?, fields.number("to")?);
+    if from_m >= to_m {
+        return Err(fields.refused("from", from_m, format!("it must be below `to`, {to_m} m")));
+    }
+    Ok(RainMask { shows: fields.choice("shows", RainShows::Water)?, from_m, to_m })
+}
+
 /// The fields that only these brushes have.
 pub(super) fn write(brush: &Brush) -> Map<String, Value> {
     let fields = match brush.brush_type {
@@ -93,6 +105,10 @@ pub(super) fn write(brush: &Brush) -> Map<String, Value> {
                     json!({ "routing": "shared", "exponent": f64::from(exponent), "from": from, "to": to })
                 }
             }
+        }
+        BrushType::RainMask => {
+            let RainMask { shows, from_m, to_m } = brush.rain_mask;
+            json!({ "shows": word(&shows), "from": from_m, "to": to_m })
         }
         _ => Value::Null,
     };

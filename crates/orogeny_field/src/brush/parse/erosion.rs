@@ -27,7 +27,7 @@ pub(super) fn read_thermal(fields: &Fields<'_>) -> Result<Thermal> {
 }
 
 pub(super) fn read_pipes(fields: &Fields<'_>) -> Result<Pipes> {
-    if fields.brush_type() != BrushType::ErodeFluvial {
+    if !matches!(fields.brush_type(), BrushType::ErodeFluvial | BrushType::RainMask) {
         return Ok(Pipes::default());
     }
     Ok(Pipes {

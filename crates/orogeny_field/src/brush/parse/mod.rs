@@ -16,7 +16,7 @@ use super::{
     Smoothing, Stamp, StampMode, Symmetry, SymmetryKind, Terrace,
 };
 use crate::noise::Noise;
-use crate::{Droplets, Error, FillPits, FlowMask, FlowRouting, Pipes, Result, Thermal};
+use crate::{Droplets, Error, FillPits, FlowMask, FlowRouting, Pipes, RainMask, Result, Thermal};
 use fields::Fields;
 
 impl Brush {
@@ -51,6 +51,7 @@ impl Brush {
             fill_pits: FillPits::default(),
             flow_routing: FlowRouting::default(),
             flow_mask: FlowMask::default(),
+            rain_mask: RainMask::default(),
             terrace: Terrace::default(),
             range_map: RangeMap::default(),
             end_height_m: None,
@@ -110,6 +111,7 @@ impl Brush {
             fill_pits: drainage::read_fill_pits(&fields)?,
             flow_routing: drainage::read_routing(&fields)?,
             flow_mask: drainage::read_flow_mask(&fields)?,
+            rain_mask: drainage::read_rain_mask(&fields)?,
             terrace: terrace(&fields)?,
             range_map: range_map(&fields)?,
             end_height_m: height("end_height")?,
@@ -447,6 +449,7 @@ mod tests {
         r#"{"type": "fill_pits"}"#,
         r#"{"type": "flow_mask", "routing": "shared", "exponent": 4, "from": 100, "to": 5000, "blending": "build_up"}"#,
         r#"{"type": "flow_mask", "routing": "steepest"}"#,
+        r#"{"type": "rain_mask", "shows": "wear", "from": 0.5, "to": 3, "iterations": 20, "rain": 0.5}"#,
         r#"{"type": "paint_mask", "value": 0.25}"#,
         r#"{"type": "custom", "file": "a.wgsl", "parameters": {"step": 3.5, "ragged": 0}, "blending": "wash"}"#,
         r#"{"type": "noise", "normalize": false}"#,
@@ -518,6 +521,7 @@ mod tests {
             (r#"{"type": "fill_pits", "max_depth": -1}"#, "max_depth"),
             (r#"{"type": "flow_mask", "exponent": 2}"#, "routing"),
             (r#"{"type": "flow_mask", "from": 500, "to": 500}"#, "`from`"),
+            (r#"{"type": "rain_mask", "from": 2, "to": 1}"#, "`from`"),
             (r#"{"type": "raise", "step": 3}"#, "step"),
             (r#"{"type": "raise", "airbrush": 1}"#, "airbrush"),
         ] {

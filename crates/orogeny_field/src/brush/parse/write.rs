@@ -83,7 +83,7 @@ impl Brush {
                     put("layers", layers.into());
                 }
             }
-            BrushType::ErodeFluvial => {
+            BrushType::ErodeFluvial | BrushType::RainMask => {
                 put("iterations", self.pipes.iterations.into());
                 put("rain", self.pipes.rain_m_per_s.into());
                 put("evaporation", self.pipes.evaporation_per_s.into());
