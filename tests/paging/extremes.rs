@@ -90,6 +90,10 @@ fn extreme_brush(random: &mut Random) -> Brush {
     let radius_m = random.one_of(&[f64::MIN_POSITIVE, 1.0e-40, 0.5, 0.500_001, 1.0, 33.0, 1.0e4, 1.0e9]);
     let needs_height = brush_type == BrushType::SetHeight;
     let height_m = random.one_of(&[None, Some(1.0e7), Some(-1.0e7), Some(0.0), Some(1.0e-38)]);
+    let scale = random.one_of(&[1.0 / 64.0, 1.0, 64.0]);
+    // What is made smaller and spreads over many levels is made of gigabytes around it.
+    let laplacian = if scale < 1.0 { CloneBlend::Feathered } else { CloneBlend::Laplacian };
+    let blend = random.one_of(&[laplacian, CloneBlend::MeanShifted, CloneBlend::Plain]);
     Brush {
         brush_type,
         radius_m,
@@ -124,13 +128,13 @@ fn extreme_brush(random: &mut Random) -> Brush {
                 to_m: Some(random.one_of(&[[0.0, 0.0], [-1.0e9, 50.0], [40.0, 3.0e4]])),
                 alignment: random.one_of(&[Alignment::Stroke, Alignment::Aligned]),
                 rotation_deg: random.one_of(&[0.0, 90.0, -359.9]),
-                scale: random.one_of(&[1.0 / 64.0, 1.0, 64.0]),
+                scale,
                 is_mirrored: random.one_of(&[false, true]),
                 height_scale: random.one_of(&[-1000.0, 0.0, 1.0]),
                 height_offset_m: random.one_of(&[-1.0e7, 0.0]),
                 ..CloneSource::default()
             },
-            blend: random.one_of(&[CloneBlend::Laplacian, CloneBlend::MeanShifted, CloneBlend::Plain]),
+            blend,
             num_levels: random.one_of(&[None, Some(1), Some(12)]),
             level_weights: Vec::new(),
         },

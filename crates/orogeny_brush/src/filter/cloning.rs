@@ -111,21 +111,26 @@ impl Laid<'_> {
         }
         let difference = graph.add(Step::Combine { factors: [1.0, -1.0] }, &[source, ground]);
         let factor = |level| cloning.level_weight(level) as f32;
-        let change = pyramid::add_blend(graph, mask, difference, num_levels(cloning, &rect), factor);
+        let change =
+            pyramid::add_blend(graph, mask, difference, num_levels(cloning, &rect, graph.extent()), factor);
         graph.add(Step::Combine { factors: [1.0, 1.0] }, &[ground, change])
     }
 }
 
-/// How many levels below the finest a clone is blended in on, by what is painted.
-pub(crate) fn num_levels(cloning: &Cloning, rect: &SampleRect) -> u32 {
+/// How many levels below the finest a clone is blended in on, by what is painted; on none beyond the first that has the whole of
+/// a terrain of `extent` samples in one, since each doubles what must be looked at around.
+pub(crate) fn num_levels(cloning: &Cloning, rect: &SampleRect, extent: [u32; 2]) -> u32 {
     if cloning.blend != CloneBlend::Laplacian {
         return 0;
     }
-    cloning.num_levels.unwrap_or_else(|| {
+    let longest = extent.into_iter().max().unwrap_or_default().max(1);
+    let most = longest.next_power_of_two().ilog2();
+    let wanted = cloning.num_levels.unwrap_or_else(|| {
         let shorter = rect.width().min(rect.depth());
         let is_short = |level: &u32| shorter.div_ceil(1 << level) <= COARSEST_SAMPLES;
         (0..MAX_PYRAMID_LEVELS).find(is_short).unwrap_or(MAX_PYRAMID_LEVELS)
-    })
+    });
+    wanted.min(most)
 }
 
 /// How many samples beyond its weights a blend on that many levels may change the ground.

@@ -122,7 +122,8 @@ impl Plan {
         store: &mut dyn PageStore,
     ) -> Result<Batch> {
         let (cloning, grid) = (&self.brush.cloning, &self.canvas.grid);
-        let mut graph = Graph::new([grid.width(), grid.depth()]);
+        let extent = [grid.width(), grid.depth()];
+        let mut graph = Graph::new(extent);
         let (mut ground, mut bounds) = (Graph::HEIGHTS, Vec::new());
         for (image, mut weights) in images {
             let mut laid = self.laid(to_m, &image)?;
@@ -135,7 +136,7 @@ impl Plan {
                 *offset_m += difference as f32;
             }
             let rect = weights.rect();
-            let bound = rect.grown(spread(num_levels(cloning, &rect))).intersection(&grid.bounds());
+            let bound = rect.grown(spread(num_levels(cloning, &rect, extent))).intersection(&grid.bounds());
             checked_num_pages(self.canvas.layout, bound)?;
             bounds.push(bound);
             ground = laid.add_blended(&mut graph, ground, cloning, Some(weights));
