@@ -152,6 +152,10 @@ fn what_cannot_be_cloned_is_refused_and_nothing_changes() {
         (stroke(&clone(json!({ "spacing": 3 }))), vec!["source.spacing", "file"]),
         (stroke(&clone(json!({ "scale": 0 }))), vec!["source.scale"]),
         (stroke(&clone(json!({ "file": "t.r32" }))), vec!["t.r32"]),
+        (
+            stroke(&json!({ "type": "clone", "levels": 12, "source": { "scale": 0.02 } })),
+            vec!["levels", "scale"],
+        ),
         (json!({ "op": "fill", "brush": { "type": "grab" }, "region": region }), vec!["grab", "stroke"]),
     ] {
         folder.write("recipe.json", json!({ "operations": [operation] }).to_string());

@@ -4,8 +4,8 @@ use orogeny_brush::Executor;
 use orogeny_field::noise::{Noise, NoiseDirection, Normalization, Seeding, Turbulence};
 use orogeny_field::{
     Alignment, Alpha, AlphaRotation, AspectGate, Band, Blending, Brush, BrushType, CloneBlend, CloneSource,
-    Cloning, DataSource, Gate, Jitter, NoiseGate, PageLayout, Pipes, PointerSample, SampleRect, SmoothMethod,
-    Smoothing, Symmetry, SymmetryKind, Terrace, Thermal,
+    Cloning, DataSource, Droplets, Gate, Jitter, NoiseGate, PageLayout, Pipes, PointerSample, SampleRect,
+    SmoothMethod, Smoothing, Symmetry, SymmetryKind, Terrace, Thermal,
 };
 use orogeny_gpu::Gpu;
 use orogeny_tests::{Feed, Operation, Plane, Split, compare, gpu, paint, terrain};
@@ -151,18 +151,19 @@ fn neighbourhood_operations() -> Vec<Operation> {
             },
             &LOOP[2..],
         ),
-        stroke(Brush::new(BrushType::ErodeDroplets, 22.0, 0.9), &LOOP),
+        stroke(droplets(0.9), &LOOP),
         stroke(Brush { symmetry: copies, ..Brush::new(BrushType::FillPits, 30.0, 0.8) }, &LOOP[1..]),
-        Operation::Fill {
-            brush: Brush::new(BrushType::ErodeDroplets, 20.0, 0.7),
-            seed: 9,
-            region: SampleRect::new(20, 15, 195, 130),
-        },
+        Operation::Fill { brush: droplets(0.7), seed: 9, region: SampleRect::new(20, 15, 195, 130) },
         stroke(
             smooth(SmoothMethod::Gaussian, Blending::Wash, 3.0),
             &[LOOP.as_slice(), LOOP.as_slice()].concat(),
         ),
     ]
+}
+
+fn droplets(strength: f64) -> Brush {
+    let droplets = Droplets { per_sample: 0.2, max_steps: 20, ..Droplets::default() };
+    Brush { droplets, ..Brush::new(BrushType::ErodeDroplets, 22.0, strength) }
 }
 
 fn ground() -> Plane {

@@ -61,6 +61,16 @@ pub enum Error {
         /// The limit.
         limit: u64,
     },
+    /// A clone that looks at more samples for a page than are worked on at once. Use fewer levels, or a larger scale.
+    #[error(
+        "what is cloned is made of {num_samples} samples at once, the limit is {limit}; use fewer `levels`, or a larger `scale`"
+    )]
+    CloneSize {
+        /// Samples that it would look at.
+        num_samples: u64,
+        /// The limit.
+        limit: u64,
+    },
     /// Whoever watched the work said not to go on.
     #[error("it was interrupted")]
     Interrupted,

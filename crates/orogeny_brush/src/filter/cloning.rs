@@ -2,12 +2,15 @@
 
 use std::sync::Arc;
 
-use orogeny_field::{CloneBlend, Cloning, FieldId, MAX_PYRAMID_LEVELS, Part, Placement, Plane, SampleRect};
+use orogeny_field::{CloneBlend, Cloning, FieldId, Part, Placement, Plane, SampleRect};
 
 use super::{Graph, Step, Weights, pyramid};
 
 /// Samples of the shorter side of what is painted, on a pyramid's coarsest level.
 const COARSEST_SAMPLES: u32 = 8;
+
+/// The most levels where none are asked for: each doubles what must be looked at around, which is then 4,096 samples.
+const MAX_USUAL_LEVELS: u32 = 10;
 
 /// Where cloned ground comes from.
 #[derive(Debug, Clone)]
@@ -128,7 +131,7 @@ pub(crate) fn num_levels(cloning: &Cloning, rect: &SampleRect, extent: [u32; 2])
     let wanted = cloning.num_levels.unwrap_or_else(|| {
         let shorter = rect.width().min(rect.depth());
         let is_short = |level: &u32| shorter.div_ceil(1 << level) <= COARSEST_SAMPLES;
-        (0..MAX_PYRAMID_LEVELS).find(is_short).unwrap_or(MAX_PYRAMID_LEVELS)
+        (0..MAX_USUAL_LEVELS).find(is_short).unwrap_or(MAX_USUAL_LEVELS)
     });
     wanted.min(most)
 }

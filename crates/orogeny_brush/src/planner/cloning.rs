@@ -8,13 +8,16 @@ use orogeny_pages::PageStore;
 use super::mean::mean_difference;
 use super::prepared::{Plan, missing};
 use super::{StrokePlanner, checked_num_pages};
-use crate::Result;
 use crate::filter::cloning::{num_levels, spread};
 use crate::filter::region::{self, is_region_wide};
 use crate::filter::{Filter, Graph, Weights};
 use crate::kernels::Rule;
 use crate::plan::{Batch, Pass};
 use crate::symmetry::Image;
+use crate::{Error, Result};
+
+/// The most samples that a page of a clone may be made of: 512 MiB for each plane of them.
+const MAX_WINDOW_SAMPLES: u64 = 1 << 27;
 
 /// Instances of one image of a stroke.
 #[derive(Debug)]
@@ -140,6 +143,14 @@ impl Plan {
             checked_num_pages(self.canvas.layout, bound)?;
             bounds.push(bound);
             ground = laid.add_blended(&mut graph, ground, cloning, Some(weights));
+        }
+        // The least that can be worked on at once: a page.
+        let page = self.canvas.layout.size().cast_signed();
+        let first = |bound: &SampleRect| SampleRect { x1: bound.x0 + page, z1: bound.z0 + page, ..*bound };
+        let num_samples = bounds.iter().map(|bound| graph.largest(first(bound).intersection(bound))).max();
+        let num_samples = num_samples.unwrap_or_default();
+        if num_samples > MAX_WINDOW_SAMPLES {
+            return Err(Error::CloneSize { num_samples, limit: MAX_WINDOW_SAMPLES });
         }
         Ok(self.settled(Filter { graph: Arc::new(graph), is_sequential: false }, bounds, None))
     }

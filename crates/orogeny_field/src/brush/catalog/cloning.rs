@@ -19,7 +19,7 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     parameter(
         "levels",
         ParameterKind::Integer { min: 0, max: MAX_PYRAMID_LEVELS, default: 0 },
-        "of `laplacian`: levels of the pyramid; 0: until the shorter side of what is painted is at most 8 samples",
+        "of `laplacian`: levels of the pyramid; 0: until the shorter side of what is painted is at most 8 samples, or 10",
     )
     .of_brushes(CLONE),
     parameter(
