@@ -1,5 +1,6 @@
 //! What a thumbnail shows of a preset: a stroke, a dab or a fill, over which ground.
 
+use orogeny_field::noise::{Noise, Turbulence};
 use orogeny_field::{Brush, BrushType, MAX_HEIGHT_M, PointerSample, Stroke};
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +28,8 @@ pub enum SampleGround {
     Flat,
     /// A few hills, always the same.
     Hills,
+    /// The same hills with crests and gullies, for brushes that work on detail.
+    Rough,
 }
 
 /// What a preset's thumbnail shows.
@@ -59,6 +62,10 @@ const HILLS: [([f64; 2], f64, f64); 7] = [
     ([0.66, 0.82], 0.30, 0.09),
     ([0.46, 0.40], 0.16, 0.04),
 ];
+
+/// How wide and how high the crests of rough hills are, as shares of the ground.
+const ROUGH_FEATURE: f64 = 0.3;
+const ROUGH_HEIGHT: f64 = 0.03;
 
 impl Sample {
     /// What is wrong with it, for people.
@@ -110,6 +117,20 @@ fn curve(side_m: f64) -> Vec<PointerSample> {
         PointerSample::at(side_m * (start + share * (end - start)), side_m * (0.5 + swing))
     };
     (0..NUM_POINTS).map(point).collect()
+}
+
+/// What makes rough hills of flat ground.
+pub(super) fn rough_hills(side_m: f64) -> Vec<Operation> {
+    let noise = Noise {
+        turbulence: Turbulence::Ridged,
+        feature_size_m: ROUGH_FEATURE * side_m,
+        octaves: 4,
+        ..Noise::default()
+    };
+    let strength_m = (ROUGH_HEIGHT * side_m).min(0.1 * f64::from(MAX_HEIGHT_M));
+    let brush = Brush { noise, ..Brush::new(BrushType::Noise, 1.0, strength_m) };
+    let crests = Operation::Fill { layer: None, target: Target::Heights, brush, seed: 1, region_m: None };
+    hills(side_m).into_iter().chain([crests]).collect()
 }
 
 /// What makes hills of flat ground.

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use orogeny_field::{MAX_SPACING_M, MIN_SPACING_M, TerrainGrid};
 
 use super::Preset;
-use super::sample::{Sample, SampleGround, hills};
+use super::sample::{Sample, SampleGround, hills, rough_hills};
 use crate::ground::Ground;
 use crate::relief::{self, Relief};
 use crate::{Adapter, Error, Picture, Quiet, Result, Settings, Terrain};
@@ -86,6 +86,7 @@ impl Preset {
         let mut operations = match kind {
             SampleGround::Flat => Vec::new(),
             SampleGround::Hills => hills(side_m),
+            SampleGround::Rough => rough_hills(side_m),
         };
         operations.push(sample.operation(brush, side_m));
         terrain.apply(&operations, &mut Quiet)?;
