@@ -9,6 +9,9 @@ const FIRST_FLUX = 1u;
 const FLUX = 2u;
 const GROUND = 3u;
 
+// Whether the third plane of the ground is the hardness.
+override HAS_HARDNESS: u32 = 0u;
+
 // Channels of ground, water and sediment, and of flows.
 const TERRAIN = 0u;
 const WATER = 1u;
@@ -137,7 +140,11 @@ fn update_ground(sample: vec2<i32>) {
     let lowest = min(min(west, east), min(north, south));
     let highest = max(max(west, east), max(north, south));
     let lacking = capacity - load;
-    let taken = min(pipes.dissolving * lacking, max(height - lowest, 0.0) * 0.5);
+    var dissolving = pipes.dissolving;
+    if HAS_HARDNESS == 1u {
+        dissolving = dissolving * (1.0 - third_at(sample));
+    }
+    let taken = min(dissolving * lacking, max(height - lowest, 0.0) * 0.5);
     let room = max(max(highest - height, 0.0), new_depth) * 0.5;
     let laid = min(pipes.deposition * -lacking, room);
     let new_height = sanitized_height(height - select(-laid, taken, lacking > 0.0));

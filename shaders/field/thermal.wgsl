@@ -6,6 +6,9 @@
 // orogeny_brush::filter::ThermalPhase
 const SHARES = 0u;
 
+// Whether the second plane of shares is the hardness.
+override HAS_HARDNESS: u32 = 0u;
+
 const SQRT_2 = 1.41421354;
 // Where there is no neighbour: nothing slides up it.
 const WALL_M = 1.0e30;
@@ -63,6 +66,9 @@ fn update_shares(sample: vec2<i32>) {
     var share = 0.0;
     if largest > LEAST_EXCESS_M {
         share = (rock.half_rate * largest) / sum;
+    }
+    if HAS_HARDNESS == 1u {
+        share = share * (1.0 - second_at(sample));
     }
     store(0u, sample, share);
     if thermal.num_layers > 1u {

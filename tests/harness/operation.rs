@@ -145,6 +145,7 @@ pub fn resources(brush: &Brush, field: FieldId) -> Resources {
     Resources {
         alpha: of(brush.alpha.is_some()),
         gate_image: of(has_image(brush.gate.as_deref())),
+        hardness_image: of(has_image(brush.hardness.as_deref())),
         roughness_image: of(has_image(brush.noise.roughness.as_deref())),
         custom: None,
         clone_ground: (brush.brush_type == BrushType::Clone).then(|| clone_ground(brush, field)),

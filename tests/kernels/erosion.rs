@@ -2,8 +2,8 @@
 
 use orogeny_brush::{CpuExecutor, Executor};
 use orogeny_field::{
-    Blending, Brush, BrushType, PageLayout, Pipes, PointerSample, RainMask, RainShows, RockLayer, SampleRect,
-    Stroke, Thermal,
+    Band, Blending, Brush, BrushType, Gate, PageLayout, Pipes, PointerSample, RainMask, RainShows, RockLayer,
+    SampleRect, Stroke, Thermal,
 };
 use orogeny_tests::{Feed, Operation, Plane, paint, terrain};
 
@@ -22,6 +22,14 @@ fn fluvial(iterations: u32) -> Brush {
     Brush { pipes, ..Brush::new(BrushType::ErodeFluvial, 1.0, 1.0) }
 }
 
+/// Harder the higher it is, and where it is steep.
+fn hard(brush: Brush) -> Brush {
+    let band = |min, max, feather| Some(Band { min, max, feather });
+    let gate =
+        Gate { height_m: band(300.0, 1.0e6, 400.0), slope_deg: band(0.0, 40.0, 30.0), ..Gate::default() };
+    Brush { hardness: Some(Box::new(gate)), ..brush }
+}
+
 fn rain_mask(shows: RainShows, to_m: f64) -> Brush {
     let rain_mask = RainMask { shows, from_m: 0.0, to_m };
     let pipes = Pipes { iterations: 10, ..Pipes::default() };
@@ -37,6 +45,8 @@ fn brushes() -> Vec<(&'static str, Brush)> {
             thermal(5, vec![rock(0.0, 40.0, 0.25), rock(100.0, 10.0, 0.1), rock(800.0, 60.0, 0.2)]),
         ),
         ("fluvial", fluvial(10)),
+        ("thermal, hard above", hard(thermal(6, vec![rock(0.0, 10.0, 0.25)]))),
+        ("fluvial, hard above", hard(fluvial(8))),
         ("rain mask, water", rain_mask(RainShows::Water, 0.05)),
         ("rain mask, wear", rain_mask(RainShows::Wear, 0.001)),
     ]
@@ -129,5 +139,31 @@ fn a_brush_shows_a_part_of_what_the_whole_terrain_would_become() {
                 }
             }
         }
+    }
+}
+
+/// What is wholly hard keeps its bits, whatever slides or runs down beside it lies on it.
+#[test]
+fn nothing_is_taken_of_what_is_hard() {
+    let ground = terrain::real(160, 150, 120, 420);
+    let (lowest, highest) = ground
+        .samples()
+        .iter()
+        .fold((f32::MAX, f32::MIN), |(low, high), height| (low.min(*height), high.max(*height)));
+    let middle = f64::from(lowest + highest) / 2.0;
+    let above = Gate { height_m: Some(Band { min: middle, max: 1.0e6, feather: 0.0 }), ..Gate::default() };
+    for brush in [thermal(60, vec![rock(0.0, 10.0, 0.25)]), fluvial(60)] {
+        let name = brush.brush_type.name();
+        let soft = filled(&ground, 10.0, brush.clone());
+        let hard = filled(&ground, 10.0, Brush { hardness: Some(Box::new(above.clone())), ..brush });
+        let (mut num_worn, mut num_spared) = (0, 0);
+        for (before, (soft, hard)) in ground.samples().iter().zip(soft.samples().iter().zip(hard.samples())) {
+            if f64::from(*before) >= middle {
+                assert!(hard >= before, "{name}: {before} m became {hard} m");
+                num_worn += usize::from(soft < before);
+                num_spared += usize::from(hard == before);
+            }
+        }
+        assert!(num_worn > 1000 && num_spared > 1000, "{name}: {num_worn} were worn, {num_spared} spared");
     }
 }

@@ -106,6 +106,7 @@ fn neighbourhood_operations() -> Vec<Operation> {
         symmetry: Some(Symmetry { kind: SymmetryKind::Point, centre_m: [90.0, 80.0] }),
         ..Brush::new(BrushType::Sharpen, 18.0, 0.3)
     };
+    let gate_of_hardness = gated.gate.clone();
     let clone = |blend, source| Brush {
         cloning: Cloning {
             source: CloneSource { at_m: [130.0, 20.0], to_m: Some([40.0, 70.0]), ..source },
@@ -140,6 +141,7 @@ fn neighbourhood_operations() -> Vec<Operation> {
         stroke(
             Brush {
                 thermal: Thermal { iterations: 12, ..Thermal::default() },
+                hardness: gate_of_hardness.clone(),
                 ..Brush::new(BrushType::ErodeThermal, 26.0, 0.6)
             },
             &LOOP,

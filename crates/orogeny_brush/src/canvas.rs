@@ -44,6 +44,8 @@ pub struct Resources {
     pub clone_ground: Option<CloneGround>,
     /// The picture of its gate.
     pub gate_image: Option<Arc<Bitmap>>,
+    /// The picture of its ground's hardness.
+    pub hardness_image: Option<Arc<Bitmap>>,
     /// The picture of its noise's roughness.
     pub roughness_image: Option<Arc<Bitmap>>,
 }

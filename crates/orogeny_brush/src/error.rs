@@ -33,9 +33,10 @@ pub enum Error {
         /// The limit.
         limit: u64,
     },
-    /// What a filter looks at at once is more than a buffer of the GPU holds. Use a smaller width, or the CPU back end.
+    /// What a filter looks at at once is more than a buffer of the GPU holds. Use a smaller width or fewer levels, or the CPU
+    /// back end.
     #[error(
-        "a filter looks at {width} x {depth} samples at once, and a buffer of the GPU holds {limit_in_bytes} bytes; use a smaller width, or `--adapter cpu`"
+        "a filter looks at {width} x {depth} samples at once, and a buffer of the GPU holds {limit_in_bytes} bytes; use a smaller width or fewer levels, or `--adapter cpu`"
     )]
     PlaneSize {
         /// Samples along x.

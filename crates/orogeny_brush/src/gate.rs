@@ -5,7 +5,9 @@
 use std::sync::Arc;
 
 use orogeny_field::noise::{NoiseFrame, NoiseKernel};
-use orogeny_field::{Band, Bitmap, FieldId, Gate, Page, PageKey, PageLayout, TerrainGrid, mirrored};
+use orogeny_field::{
+    Band, Bitmap, FieldId, Gate, Page, PageKey, PageLayout, SampleRect, TerrainGrid, mirrored,
+};
 use orogeny_pages::PageStore;
 use orogeny_reference::gate::{self, Ground};
 
@@ -57,9 +59,24 @@ impl GatePlan {
         Ok(Self { gate: gate.clone(), noise, image, grid, heights, selection })
     }
 
-    /// The heights that it looks at.
-    pub(crate) const fn heights(&self) -> FieldId {
-        self.heights
+    /// The weights of all pages of a rectangle.
+    ///
+    /// # Errors
+    /// [`Error::Pages`] when what it looks at cannot be read.
+    pub(crate) fn pages(
+        &self,
+        rect: &SampleRect,
+        store: &mut dyn PageStore,
+    ) -> Result<Vec<(SampleRect, Page)>> {
+        let layout = store.layout();
+        let mut pages = Vec::new();
+        for (x, z) in layout.pages_in(*rect) {
+            // It looks at heights at the same place, whichever field it is for.
+            let key = PageKey::full_resolution(self.heights, x, z);
+            let input = self.load(&key, store)?;
+            pages.push((layout.page_rect(&key), self.page(&key, layout, &input)));
+        }
+        Ok(pages)
     }
 
     /// Loads what the weights of a page are made of.

@@ -14,8 +14,10 @@ pub fn resolved(brush: &Brush) -> Brush {
     if brush.brush_type == BrushType::Noise {
         resolve(&mut brush.noise);
     }
-    if let Some(noise) = brush.gate.as_mut().and_then(|gate| gate.noise.as_mut()) {
-        resolve(&mut noise.noise);
+    for gate in [&mut brush.gate, &mut brush.hardness].into_iter().flatten() {
+        if let Some(noise) = &mut gate.noise {
+            resolve(&mut noise.noise);
+        }
     }
     brush
 }

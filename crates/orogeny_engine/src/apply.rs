@@ -207,7 +207,7 @@ fn apply_one(
 
 /// Whether a brush looks at the terrain's selection.
 fn needs_selection(brush: &Brush) -> bool {
-    let gates = [brush.gate.as_deref(), brush.noise.roughness.as_deref()];
+    let gates = [brush.gate.as_deref(), brush.hardness.as_deref(), brush.noise.roughness.as_deref()];
     gates.into_iter().flatten().any(|gate| gate.selection)
         || (brush.brush_type == BrushType::Clone && brush.cloning.source.is_selected_only)
 }

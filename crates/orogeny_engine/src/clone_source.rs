@@ -148,7 +148,9 @@ fn needed(
     }
     let source = &brush.cloning.source;
     let (reached, first_m) = reached(operation, brush, grid)?;
-    let to_m = source.to_m.unwrap_or(first_m);
+    let is_fill = matches!(operation, Operation::Fill { .. });
+    let is_aligned = is_fill || source.alignment == Alignment::Aligned;
+    let to_m = source.to_m.filter(|_| is_aligned).unwrap_or(first_m);
     let placement = Placement::new(&source.placing(to_m, spacing_m, grid.spacing_m()));
     let rect = placement.source_rect(&reached);
     let margin = rect.width().max(rect.depth()).cast_signed() / 2 + 16;

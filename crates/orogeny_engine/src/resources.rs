@@ -28,6 +28,7 @@ pub(crate) fn load(brush: &Brush, recording: &mut Recording<'_>) -> Result<(Brus
     let alpha = brush.alpha.as_mut().map(|alpha| &mut alpha.source);
     resources.alpha = picture(alpha, recording)?;
     resources.gate_image = picture(image_of(brush.gate.as_deref_mut()), recording)?;
+    resources.hardness_image = picture(image_of(brush.hardness.as_deref_mut()), recording)?;
     resources.roughness_image = picture(image_of(brush.noise.roughness.as_deref_mut()), recording)?;
     if let Some(custom) = &mut brush.custom {
         let data = Data::of(&custom.source, MAX_TEXT_BYTES, recording)?;
@@ -58,6 +59,7 @@ fn sources(brush: &mut Brush) -> impl Iterator<Item = &mut DataSource> {
         brush.custom.as_mut().map(|custom| &mut custom.source),
         brush.cloning.source.data.as_mut(),
         image_of(brush.gate.as_deref_mut()),
+        image_of(brush.hardness.as_deref_mut()),
         image_of(brush.noise.roughness.as_deref_mut()),
     ];
     all.into_iter().flatten()

@@ -64,6 +64,12 @@ impl CpuExecutor {
                 }
                 Ok(plane)
             }
+            Step::Gate(gate) => {
+                let pages = gate.pages(&plane.rect(), store)?;
+                let pages: Vec<_> = pages.iter().map(|(rect, page)| (*rect, Rows::Page(page))).collect();
+                self.threads.install(|| copy(&pages, &mut plane));
+                Ok(plane)
+            }
             Step::Weights(weights) => {
                 let gate = weights.pages_let_through(&plane.rect(), store)?;
                 self.threads.install(|| weights::fill(&mut plane, weights, &gate));

@@ -118,13 +118,13 @@ mod tests {
                 let brush = Brush { smoothing, ..Brush::new(BrushType::Smooth, 10.0, 1.0) };
                 graphs.push((
                     format!("{method:?} {width}"),
-                    Filter::of(&brush, &canvas(grid)).unwrap().unwrap(),
+                    Filter::of(&brush, &canvas(grid), None).unwrap().unwrap(),
                 ));
             }
         }
         graphs.push(("drag".to_owned(), Filter::drag(&grid, [3.25, -7.5])));
         let sharpen = Brush::new(BrushType::Sharpen, 20.0, 1.0);
-        graphs.push(("sharpen".to_owned(), Filter::of(&sharpen, &canvas(grid)).unwrap().unwrap()));
+        graphs.push(("sharpen".to_owned(), Filter::of(&sharpen, &canvas(grid), None).unwrap().unwrap()));
         graphs
     }
 
@@ -208,7 +208,7 @@ mod tests {
         for sigma in [0.5, 2.0, 3.9, 4.1, 6.0, 7.9, 8.5, 16.0, 33.0, 64.0] {
             let smoothing = Smoothing { width_m: Some(sigma), ..Smoothing::default() };
             let brush = Brush { smoothing, ..Brush::new(BrushType::Smooth, 10.0, 1.0) };
-            let filter = Filter::of(&brush, &canvas(grid)).unwrap().unwrap();
+            let filter = Filter::of(&brush, &canvas(grid), None).unwrap().unwrap();
             let whole = work_out(&filter.graph, &ground, ground.rect());
             let (mut error, mut change) = (0.0, 0.0);
             for ((height, direct), ours) in

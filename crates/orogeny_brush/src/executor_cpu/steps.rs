@@ -124,7 +124,7 @@ fn erode_row(
     match (step, second, targets) {
         (Step::Thermal { phase: ThermalPhase::Shares, kernel }, _, [shares, taluses @ ..]) => {
             let taluses = taluses.first_mut().map_or(&mut [][..], |taluses| taluses);
-            thermal::shares_row(shares, taluses, x, z, first, None, bounds, kernel);
+            thermal::shares_row(shares, taluses, x, z, first, second, bounds, kernel);
         }
         (Step::Thermal { phase: ThermalPhase::Heights, kernel }, Some(shares), [heights]) => {
             thermal::heights_row(heights, x, z, first, shares, bounds, kernel);
@@ -163,7 +163,8 @@ fn erode_row(
                 water: of(pipes::WATER),
                 sediment: of(pipes::SEDIMENT),
             };
-            pipes::ground_row(row, x, z, &state, flux, None, bounds, kernel);
+            let hardness = sources.get(2).map(|source| source.plane);
+            pipes::ground_row(row, x, z, &state, flux, hardness, bounds, kernel);
         }
         (Step::Pipes { phase: PipesPhase::Settle, .. }, _, [heights]) => {
             heights.copy_from_slice(part(first, pipes::TERRAIN, x, z, heights.len()));

@@ -73,6 +73,10 @@ impl GpuExecutor {
                     let region = self.regions.plane(kernel);
                     rows_of(&self.gpu, &mut self.planes, &mut encoder, *rect, region)?
                 }
+                Step::Gate(gate) => {
+                    let pages = gate.pages(rect, store)?;
+                    self.plane_of_pages(&mut encoder, *rect, &pages)?
+                }
                 Step::Weights(weights) => self.weights(&mut encoder, *rect, weights, store)?,
                 _ => self.planes.record(&self.gpu, &mut encoder, graph, place, *rect, &made)?,
             };

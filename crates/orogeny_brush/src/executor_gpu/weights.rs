@@ -1,8 +1,9 @@
 //! The weights of a whole stroke, worked out for a rectangle at once.
 
-use orogeny_field::SampleRect;
+use orogeny_field::{Page, SampleRect};
 use orogeny_pages::PageStore;
 
+use super::goals::Rows;
 use super::planes::GpuPlane;
 use super::uniforms::{self, BrushUniform};
 use super::{GpuExecutor, NO_FIELD};
@@ -90,11 +91,21 @@ impl GpuExecutor {
         if weights.gate.is_none() {
             return Ok(None);
         }
-        let plane = self.planes.plane(&self.gpu, like.rect, 1)?;
         let pages = weights.pages_let_through(&like.rect, store)?;
-        let mut rows = super::goals::Rows::default();
-        for (page_rect, page) in &pages {
-            let both = page_rect.intersection(&like.rect);
+        self.plane_of_pages(encoder, like.rect, &pages).map(Some)
+    }
+
+    /// Records a plane of what pages have of it.
+    pub(super) fn plane_of_pages(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        rect: SampleRect,
+        pages: &[(SampleRect, Page)],
+    ) -> Result<GpuPlane> {
+        let plane = self.planes.plane(&self.gpu, rect, 1)?;
+        let mut rows = Rows::default();
+        for (page_rect, page) in pages {
+            let both = page_rect.intersection(&rect);
             let (x0, x1) = (both.x0.abs_diff(page_rect.x0), both.x1.abs_diff(page_rect.x0));
             for z in both.z0..both.z1 {
                 let row = page.row(z.abs_diff(page_rect.z0), x0, x1).unwrap_or_default();
@@ -102,6 +113,6 @@ impl GpuExecutor {
             }
         }
         rows.record(&self.gpu, encoder, &plane)?;
-        Ok(Some(plane))
+        Ok(plane)
     }
 }

@@ -24,6 +24,7 @@ use orogeny_field::{
 
 use crate::Result;
 use crate::canvas::Canvas;
+use crate::gate::GatePlan;
 
 pub use blocks::{Block, blocks};
 pub use cloning::CloneGround;
@@ -46,11 +47,11 @@ pub struct Filter {
 const MAX_WIDTH_SAMPLES: f64 = 512.0;
 
 impl Filter {
-    /// The filter of a brush that has one and the same for all instances.
+    /// The filter of a brush that has one and the same for all instances; erosion takes nothing of what is hard.
     ///
     /// # Errors
     /// [`orogeny_field::Error::BrushValue`] for a width of more samples than are looked at.
-    pub fn of(brush: &Brush, canvas: &Canvas) -> Result<Option<Self>> {
+    pub fn of(brush: &Brush, canvas: &Canvas, hardness: Option<&Arc<GatePlan>>) -> Result<Option<Self>> {
         let grid = &canvas.grid;
         let mut graph = Graph::new([grid.width(), grid.depth()]);
         match brush.brush_type {
@@ -65,18 +66,21 @@ impl Filter {
             }
             BrushType::ErodeThermal => {
                 let kernel = ThermalKernel::new(brush.brush_type.name(), &brush.thermal, grid.spacing_m())?;
-                erosion::add_thermal(&mut graph, Graph::HEIGHTS, kernel, brush.thermal.iterations);
+                let ground = erosion::Ground::new(&mut graph, Graph::HEIGHTS, hardness);
+                erosion::add_thermal(&mut graph, ground, kernel, brush.thermal.iterations);
             }
             BrushType::ErodeFluvial => {
                 let kernel = PipesKernel::new(brush.brush_type.name(), &brush.pipes, grid.spacing_m())?;
-                erosion::add_pipes(&mut graph, Graph::HEIGHTS, kernel, brush.pipes.iterations);
+                let ground = erosion::Ground::new(&mut graph, Graph::HEIGHTS, hardness);
+                erosion::add_pipes(&mut graph, ground, kernel, brush.pipes.iterations);
             }
             BrushType::RainMask => {
                 let kernel = PipesKernel::new(brush.brush_type.name(), &brush.pipes, grid.spacing_m())?;
                 // A mask is made of the layer's heights, and not of itself.
                 let heights = graph.add(Step::Field(canvas.heights), &[]);
+                let ground = erosion::Ground::new(&mut graph, heights, hardness);
                 let (iterations, mask) = (brush.pipes.iterations, &brush.rain_mask);
-                erosion::add_rain_mask(&mut graph, heights, kernel, iterations, mask);
+                erosion::add_rain_mask(&mut graph, ground, kernel, iterations, mask);
             }
             _ => return Ok(None),
         }

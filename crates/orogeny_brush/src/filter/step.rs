@@ -8,6 +8,7 @@ use orogeny_field::{
 };
 
 use super::{RegionKernel, Weights};
+use crate::gate::GatePlan;
 
 /// The most planes that a step makes one of.
 pub const MAX_INPUTS: usize = 4;
@@ -32,6 +33,8 @@ pub enum Step {
     Raster(Arc<Plane>),
     /// They are given: what is made of a whole region at once.
     Region(Arc<RegionKernel>),
+    /// They are given: what a gate lets through, 0..1.
+    Gate(Arc<GatePlan>),
     /// `field/weights`: how much a stroke takes of what is made, 0..1.
     Weights(Arc<Weights>),
     /// `field/resample`: another ground laid on the terrain.
@@ -100,14 +103,14 @@ pub enum Step {
         /// And the rest, 0..1.
         fraction: [f32; 2],
     },
-    /// `field/thermal`: a half of an iteration of thermal erosion.
+    /// `field/thermal`: a half of an iteration of thermal erosion; of its shares the last input may be the hardness.
     Thermal {
         /// Which one.
         phase: ThermalPhase,
         /// The rock.
         kernel: Arc<ThermalKernel>,
     },
-    /// `field/pipes`: a part of an iteration of erosion by running water.
+    /// `field/pipes`: a part of an iteration of erosion by running water; of its ground the last input may be the hardness.
     Pipes {
         /// Which one.
         phase: PipesPhase,
@@ -164,7 +167,9 @@ impl Step {
     #[must_use]
     pub fn given_extent(&self, terrain: [u32; 2]) -> Option<[u32; 2]> {
         match self {
-            Self::Heights | Self::Field(_) | Self::Region(_) | Self::Weights(_) => Some(terrain),
+            Self::Heights | Self::Field(_) | Self::Region(_) | Self::Gate(_) | Self::Weights(_) => {
+                Some(terrain)
+            }
             Self::Raster(plane) => Some([plane.rect().width(), plane.rect().depth()]),
             _ => None,
         }
@@ -182,9 +187,12 @@ impl Step {
         };
         let SampleRect { x0, z0, x1, z1 } = *rect;
         let ((x0, x1), (z0, z1)) = match self {
-            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Region(_) | Self::Weights(_) => {
-                ((x0, x1), (z0, z1))
-            }
+            Self::Heights
+            | Self::Field(_)
+            | Self::Raster(_)
+            | Self::Region(_)
+            | Self::Gate(_)
+            | Self::Weights(_) => ((x0, x1), (z0, z1)),
             Self::Band { .. } if input >= 2 => (coarse(x0, x1, &PYRAMID_PHASES), (z0, z1)),
             Self::Sharpen { .. }
             | Self::Channel { .. }

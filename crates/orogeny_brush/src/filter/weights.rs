@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use orogeny_field::{Footprint, Instance, Page, PageKey, SampleRect};
+use orogeny_field::{Footprint, Instance, Page, SampleRect};
 use orogeny_pages::PageStore;
 
 use crate::Result;
@@ -37,15 +37,9 @@ impl Weights {
         rect: &SampleRect,
         store: &mut dyn PageStore,
     ) -> Result<Vec<(SampleRect, Page)>> {
-        let Some(gate) = &self.gate else { return Ok(Vec::new()) };
-        let layout = store.layout();
-        let mut pages = Vec::new();
-        for (x, z) in layout.pages_in(rect.intersection(&self.rect())) {
-            // A gate looks at heights at the same place, whichever field it is for.
-            let key = PageKey::full_resolution(gate.heights(), x, z);
-            let input = gate.load(&key, store)?;
-            pages.push((layout.page_rect(&key), gate.page(&key, layout, &input)));
+        match &self.gate {
+            Some(gate) => gate.pages(&rect.intersection(&self.rect()), store),
+            None => Ok(Vec::new()),
         }
-        Ok(pages)
     }
 }

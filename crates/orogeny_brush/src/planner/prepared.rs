@@ -28,6 +28,7 @@ pub(super) struct Plan {
     pub(super) resources: Resources,
     pub(super) gate: Option<Arc<GatePlan>>,
     roughness: Option<Arc<GatePlan>>,
+    hardness: Option<Arc<GatePlan>>,
     custom: Option<CustomRule>,
 }
 
@@ -61,7 +62,8 @@ impl Plan {
         let is_noise = brush.brush_type == BrushType::Noise;
         let roughness = brush.noise.roughness.as_deref().filter(|_| is_noise);
         let roughness = plan(roughness, resources.roughness_image.as_ref())?;
-        Ok(Self { brush, seed, canvas, resources, gate, roughness, custom })
+        let hardness = plan(brush.hardness.as_deref(), resources.hardness_image.as_ref())?;
+        Ok(Self { brush, seed, canvas, resources, gate, roughness, hardness, custom })
     }
 
     /// What the kernel does; `anchor` is the stroke's first point, in samples.
@@ -85,7 +87,7 @@ impl Plan {
                 Some(frames) => Rule::Noise(Arc::clone(frames.kernel())),
                 None => return Err(missing(brush, "points", "a noise has its place by the first")),
             },
-            Stage::Blend => match Filter::of(brush, &self.canvas)? {
+            Stage::Blend => match Filter::of(brush, &self.canvas, self.hardness.as_ref())? {
                 Some(filter) => Rule::Filter(filter),
                 // Each instance has a filter of its own, the whole stroke has one at its end, or it is that of a region.
                 None => Rule::Filter(Filter::drag(&self.canvas.grid, [0.0; 2])),

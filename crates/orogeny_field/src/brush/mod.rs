@@ -319,6 +319,8 @@ pub struct Brush {
     pub smoothing: Smoothing,
     /// Of `clone`.
     pub cloning: Cloning,
+    /// Of `erode_thermal`, `erode_fluvial` and `rain_mask`: how hard the ground is where, 0..1.
+    pub hardness: Option<Box<Gate>>,
     /// Of `erode_thermal`.
     pub thermal: Thermal,
     /// Of `erode_fluvial` and `rain_mask`.

@@ -17,7 +17,7 @@ pub mod weights;
 
 use orogeny_field::{Placement, SampleRect};
 
-use super::{Axis, MAX_INPUTS, Step};
+use super::{Axis, MAX_INPUTS, PipesPhase, Step, ThermalPhase};
 use crate::kernels::OwnData;
 
 /// What all steps are given. The layout is that of `Step` in `shaders/driver/plane.wgsl`.
@@ -67,7 +67,7 @@ impl Step {
     #[must_use]
     pub const fn stem(&self) -> Option<&'static str> {
         match self {
-            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Region(_) => None,
+            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Region(_) | Self::Gate(_) => None,
             Self::Weights(_) => Some(weights::STEM),
             Self::Resample { .. } => Some(resample::STEM),
             Self::Cover { .. } => Some(cover::STEM),
@@ -97,9 +97,12 @@ impl Step {
     /// What its kernel is given beside `num_inputs` planes, to make a rectangle.
     pub(crate) fn data(&self, rect: &SampleRect, num_inputs: usize) -> OwnData {
         match self {
-            Self::Heights | Self::Field(_) | Self::Raster(_) | Self::Region(_) | Self::Weights(_) => {
-                OwnData::default()
-            }
+            Self::Heights
+            | Self::Field(_)
+            | Self::Raster(_)
+            | Self::Region(_)
+            | Self::Gate(_)
+            | Self::Weights(_) => OwnData::default(),
             Self::Resample { placement, heights } => resample::data(placement, *heights, rect),
             Self::Cover { placement, part } => cover::data(placement, part, num_inputs > 0, rect),
             Self::Lerp => OwnData::default(),
@@ -111,8 +114,12 @@ impl Step {
             Self::Interpolate { axis, phases } => interpolate::data(*axis, phases),
             Self::Sharpen { gain } => sharpen::data(*gain),
             Self::Shift { cell, fraction } => shift::data(*cell, *fraction),
-            Self::Thermal { kernel, .. } => thermal::data(kernel),
-            Self::Pipes { kernel, .. } => OwnData::uniform(&**kernel),
+            Self::Thermal { phase, kernel } => {
+                thermal::data(kernel, *phase == ThermalPhase::Shares && num_inputs > 1)
+            }
+            Self::Pipes { phase, kernel } => {
+                pipes::data(kernel, *phase == PipesPhase::Ground && num_inputs > 2)
+            }
         }
     }
 }

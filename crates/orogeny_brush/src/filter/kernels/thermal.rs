@@ -15,10 +15,10 @@ pub struct ThermalUniform {
     pub num_layers: u32,
 }
 
-pub(super) fn data(kernel: &ThermalKernel) -> OwnData {
+pub(super) fn data(kernel: &ThermalKernel, has_hardness: bool) -> OwnData {
     let layers: Vec<ThermalLayer> = kernel.layers().copied().collect();
     let uniform = ThermalUniform { num_layers: kernel.num_layers };
-    let mut data = OwnData::uniform(&uniform);
+    let mut data = OwnData::uniform(&uniform).with_constants(&[("HAS_HARDNESS", u32::from(has_hardness))]);
     data.storage = vec![bytemuck::cast_slice(&layers).to_vec()];
     data
 }

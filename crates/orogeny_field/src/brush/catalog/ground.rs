@@ -1,7 +1,7 @@
 //! What single brush types have.
 
 use super::kind::{Parameter, ParameterKind, number, optional_number, parameter};
-use super::stroke::SMOOTHING;
+use super::stroke::{GATE, SMOOTHING};
 use super::{MAX_HEIGHT, MAX_RADIUS_M};
 use crate::brush::BrushType;
 use crate::{MAX_ROCK_LAYERS, MAX_TALUS_ANGLE_DEG, MAX_THERMAL_RATE};
@@ -70,6 +70,12 @@ pub(super) const PARAMETERS: &[Parameter] = &[
     .of_brushes(SMOOTHING),
     parameter("gain", number(0.0, 16.0, 1.0), "how far the ground is moved, by its distance from what is smoothed")
         .of_brushes(&[BrushType::Sharpen]),
+    parameter(
+        "hardness",
+        ParameterKind::Object { parameters: GATE },
+        "how hard the ground is where, 0 to 1, by the ground before the stroke: where it is 1 nothing is taken",
+    )
+    .of_brushes(HARD),
     parameter("iterations", ParameterKind::Integer { min: 1, max: 1000, default: 50 }, "how long it slides; each takes it a sample further")
         .of_brushes(THERMAL),
     parameter("talus_angle", TALUS_ANGLE, "the steepest slope that holds").in_unit("°").of_brushes(THERMAL),
@@ -145,6 +151,7 @@ const LAYER: &[Parameter] = &[
     parameter("talus_angle", TALUS_ANGLE, "the steepest slope of it that holds").in_unit("°"),
     parameter("rate", RATE, "how much of what is too steep slides in two iterations"),
 ];
+const HARD: &[BrushType] = &[BrushType::ErodeThermal, BrushType::ErodeFluvial, BrushType::RainMask];
 const THERMAL: &[BrushType] = &[BrushType::ErodeThermal];
 const FLUVIAL: &[BrushType] = &[BrushType::ErodeFluvial, BrushType::RainMask];
 const TERRACE: &[BrushType] = &[BrushType::Terrace];

@@ -56,6 +56,9 @@ impl Brush {
         if let Some(given) = &self.gate {
             put("gate", gate::write(given));
         }
+        if let Some(given) = &self.hardness {
+            put("hardness", gate::write(given));
+        }
         for (name, height_m) in [("height", self.height_m), ("end_height", self.end_height_m)] {
             if let Some(height_m) = height_m {
                 put(name, f64::from(height_m).into());
