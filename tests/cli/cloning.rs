@@ -188,3 +188,33 @@ fn a_region_is_pasted_turned_and_mirrored_and_costs_what_it_touches() {
     assert_eq!(num_pasted, 200);
     assert_replayed(&folder, &[], &after);
 }
+
+/// Of a source that is too large to be kept whole, what the stroke needs is.
+#[test]
+fn only_what_is_needed_of_a_vast_terrain_is_kept() {
+    let folder = Folder::new();
+    let before = terrain(&folder);
+    folder.succeed("new big.orogeny --size 8192x8192 --spacing 2");
+    let hill = json!({ "type": "noise", "radius": 200, "feature_size": 60, "strength": 90 });
+    let stroke = json!({ "op": "stroke", "brush": hill, "points": [[12000, 10000]] });
+    folder.write("hill.json", json!({ "operations": [stroke] }).to_string());
+    folder.succeed("apply big.orogeny hill.json");
+    folder.succeed("export big.orogeny piece.r32 --region 11800,9800,400,400");
+    let piece = folder.heights("piece.r32");
+    let source = json!({ "file": "big.orogeny", "at": [12000, 10000], "to": [9, 9] });
+    let brush = json!({ "type": "clone", "blend": "plain", "radius": 60, "source": source });
+    apply(&folder, &json!([{ "op": "stroke", "brush": brush, "points": [[200, 200]] }]));
+    let after = heights(&folder, "t.orogeny");
+    for (index, after) in after.iter().enumerate() {
+        let (x, z) = (index % SIDE, index / SIDE);
+        let is_inside = (x as f64 - 100.0).hypot(z as f64 - 100.0) < 29.999;
+        let expected = if is_inside { piece[index] } else { before[index] };
+        assert_eq!(after.to_bits(), expected.to_bits(), "{x}, {z}");
+    }
+    assert!(std::fs::metadata(folder.path("t.orogeny")).unwrap().len() < 4 << 20);
+    assert_replayed(&folder, &["big.orogeny"], &after);
+    let all = json!({ "type": "clone", "source": { "file": "big.orogeny", "to": [0, 0], "scale": 0.02 } });
+    folder.succeed("new big.orogeny --size 8192x8192 --spacing 2");
+    folder.write("recipe.json", json!({ "operations": [{ "op": "fill", "brush": all }] }).to_string());
+    folder.fail("apply t.orogeny recipe.json", &["big.orogeny", "scale"]);
+}
