@@ -6,7 +6,7 @@
 
 Needs NumPy and SciPy. A ridge is drawn into the plain in the north, along the mountains' front as the folds there run: a crest,
 spurs from it and small spurs from those. A road keeps one height along the front: its way is the cheapest path that stays near
-that height. A ledge runs below the road, and two slopes are roughened.
+that height. A ledge runs below the road, two slopes are roughened, and it rains on the ridge.
 """
 
 import heapq
@@ -150,9 +150,15 @@ def roughened():
     ]
 
 
+def rained_upon():
+    """Rain cuts gullies into the new ridge and lays down fans at its foot."""
+    rain = {"type": "erode_fluvial", "radius": 2400, "falloff": 900, "iterations": 150, "blending": "wash"}
+    return [stroke(rain, [(3900, 5300, 1), (7500, 4800, 1), (10500, 4900, 1), (13300, 4400, 1)])]
+
+
 def main():
     heights = np.load(sys.argv[1])
-    operations = ridge(np.random.default_rng(2)) + road(heights) + roughened()
+    operations = ridge(np.random.default_rng(2)) + road(heights) + roughened() + rained_upon()
     print('{"operations": [')
     print(",\n".join(json.dumps(operation) for operation in operations))
     print("]}")

@@ -112,7 +112,9 @@ fn the_demo_does_it_in_one_go_and_again() {
             .iter()
             .map(|one| one["brush"].as_str().unwrap())
             .collect();
-        assert!(["raise", "level", "ledge", "roughen"].iter().all(|name| brushes.contains(name)));
+        assert!(
+            ["raise", "level", "ledge", "roughen", "erode_fluvial"].iter().all(|name| brushes.contains(name))
+        );
         let exported = folder.read("made/terrain.tif");
         assert_eq!(*first.get_or_insert_with(|| exported.clone()), exported);
         assert_ne!(folder.read("made/before.png"), folder.read("made/after.png"));
