@@ -255,6 +255,11 @@ fn a_kernel_writes_no_nan_even_over_one() {
                 height_m: Some(50.0),
                 blending,
                 falloff_m: 0.0,
+                // A clone of what is there, so that all of it is written.
+                cloning: Cloning {
+                    source: CloneSource { at_m: [50.0, 50.0], ..CloneSource::default() },
+                    ..Cloning::default()
+                },
                 alpha: (brush_type == BrushType::Stamp).then(|| Alpha {
                     source: DataSource::File("a picture".to_owned()),
                     angle_deg: 0.0,

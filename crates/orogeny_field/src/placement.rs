@@ -144,12 +144,28 @@ impl Placement {
     /// The samples of a terrain, and some around them, whose places lie within a rectangle of the source.
     #[must_use]
     pub fn terrain_rect(&self, rect: &SampleRect) -> SampleRect {
+        if let Some([x, z]) = self.whole_samples() {
+            let (x0, x1) = (rect.x0.saturating_sub(x), rect.x1.saturating_sub(x));
+            return SampleRect::new(x0, rect.z0.saturating_sub(z), x1, rect.z1.saturating_sub(z));
+        }
         let [[xx, xz], [zx, zz]] = self.columns;
         let inverse_determinant = 1.0 / (xx * zz - xz * zx);
         let columns = [[zz, -xz], [-zx, xx]].map(|column| column.map(|part| part * inverse_determinant));
         let back = Self { columns, offset: [0.0; 2] };
-        let [x, z] = back.place(self.offset);
-        Self { offset: [-x, -z], ..back }.source_rect(rect)
+        let [from_x, from_z] = back.place(self.offset);
+        let corners = [(rect.x0, rect.z0), (rect.x1, rect.z0), (rect.x0, rect.z1), (rect.x1, rect.z1)];
+        let places = corners.map(|(x, z)| {
+            let [x, z] = back.place([f64::from(x), f64::from(z)]);
+            [x - from_x, z - from_z]
+        });
+        let bounds = |along: fn(&[f64; 2]) -> f64| {
+            let parts = || places.iter().map(along);
+            let (low, high) = (parts().fold(f64::MAX, f64::min), parts().fold(f64::MIN, f64::max));
+            // Casts saturate: beyond is no terrain.
+            ((low.floor() as i32).saturating_sub(1), (high.ceil() as i32).saturating_add(1))
+        };
+        let ((x0, x1), (z0, z1)) = (bounds(|[x, _]| *x), bounds(|[_, z]| *z));
+        SampleRect::new(x0, z0, x1, z1)
     }
 
     /// The source's samples at or before the places of a rectangle's samples, and the next ones, if there are places between.
@@ -277,7 +293,7 @@ mod tests {
             }
             let rect = SampleRect::new(x, z, x + 1, z + 1);
             let [there_x, there_z] = cell;
-            let there = SampleRect::new(there_x, there_z, there_x + 2, there_z + 2);
+            let there = SampleRect::new(there_x, there_z, there_x + 1, there_z + 1);
             prop_assert!(placement.terrain_rect(&there).contains(&rect));
             let source = placement.source_rect(&rect);
             let [cell_x, cell_z] = cell;

@@ -22,7 +22,7 @@ fn values_beyond_their_limits_are_named() {
     assert_eq!(pipes(Pipes { gravity_m_per_s2: 0.0, ..Pipes::default() }), "gravity");
     assert_eq!(pipes(Pipes { rain_m_per_s: f64::INFINITY, ..Pipes::default() }), "rain");
     let droplets = |droplets: Droplets| field_of(DropletKernel::new("erode", &droplets, 1.0).map(|_| ()));
-    assert_eq!(droplets(Droplets { radius: 9, ..Droplets::default() }), "radius");
+    assert_eq!(droplets(Droplets { radius: 9, ..Droplets::default() }), "erosion_radius");
     assert_eq!(droplets(Droplets { max_steps: 0, ..Droplets::default() }), "max_steps");
     // A step that is too long to be stable is cut to the longest that is.
     let hasty = Pipes { time_step_s: Some(100.0), ..Pipes::default() };
