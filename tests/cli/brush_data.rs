@@ -2,18 +2,12 @@
 //! replay needs nothing else.
 
 use orogeny_tests::repository;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::program::Folder;
 
-fn apply(folder: &Folder, terrain: &str, options: &str, operations: &Value) -> Value {
-    folder.write("recipe.json", json!({ "operations": operations }).to_string());
-    folder.succeed(&format!("apply {terrain} recipe.json {options}"))
-}
-
 fn bits(folder: &Folder, terrain: &str) -> Vec<u32> {
-    folder.succeed(&format!("export {terrain} out.r32"));
-    folder.heights("out.r32").iter().map(|height_m| height_m.to_bits()).collect()
+    folder.heights_of(terrain).iter().map(|height_m| height_m.to_bits()).collect()
 }
 
 /// A grey ramp from black to white, 8 x 8 pixels.
@@ -38,7 +32,7 @@ fn a_picture_is_kept_and_replayed_without_its_file() {
         { "op": "stroke", "seed": 3, "brush": { "type": "raise", "radius": 40, "alpha": alpha }, "points": points },
         { "op": "stroke", "brush": { "type": "stamp", "radius": 50, "scale": 80, "alpha": alpha }, "points": [[128, 128]] },
     ]);
-    apply(&folder, "t.orogeny", "", &operations);
+    folder.apply("t.orogeny", "", &operations);
     let painted = bits(&folder, "t.orogeny");
     assert!(painted.iter().any(|height| *height != 0));
     std::fs::remove_file(folder.path("rock.png")).unwrap();
@@ -64,7 +58,7 @@ fn a_custom_brush_runs_on_the_software_adapter_and_says_so_on_the_cpu() {
     let operations = json!([{ "op": "stroke", "brush": brush, "points": [[64, 64]] }]);
     folder.write("recipe.json", json!({ "operations": operations }).to_string());
     folder.fail("apply t.orogeny recipe.json", &["--adapter software"]);
-    apply(&folder, "t.orogeny", "--adapter software", &operations);
+    folder.apply("t.orogeny", "--adapter software", &operations);
     let painted = bits(&folder, "t.orogeny");
     let flat = 50.0_f32.to_bits();
     assert!(painted[64 * 128 + 64] != flat && painted[0] == flat);
@@ -109,7 +103,7 @@ fn a_selection_bounds_what_a_gated_brush_does() {
         { "op": "fill", "target": "selection", "brush": paint, "region": [100, 50, 80, 40] },
         { "op": "fill", "brush": raise },
     ]);
-    apply(&folder, "t.orogeny", "", &operations);
+    folder.apply("t.orogeny", "", &operations);
     let found = bits(&folder, "t.orogeny");
     for (index, height) in found.iter().enumerate() {
         let (x, z) = (index % 300, index / 300);
@@ -135,7 +129,7 @@ fn masks_are_painted_undone_and_checked() {
         { "op": "stroke", "brush": erase, "points": [[50, 50], [250, 250]] },
         { "op": "fill", "target": "mask", "brush": noise },
     ]);
-    let report = apply(&folder, "t.orogeny", "", &operations);
+    let report = folder.apply("t.orogeny", "", &operations);
     assert_eq!(report["operations"][1]["notices"]["num_clamped_heights"], 0);
     assert!(bits(&folder, "t.orogeny").iter().all(|height| *height == 0), "heights stay");
     folder.succeed("check t.orogeny");

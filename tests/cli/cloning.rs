@@ -6,29 +6,20 @@ use crate::program::Folder;
 
 const SIDE: usize = 200;
 
-fn apply(folder: &Folder, operations: &Value) -> Value {
-    folder.write("recipe.json", json!({ "operations": operations }).to_string());
-    folder.succeed("apply t.orogeny recipe.json")
-}
-
-fn heights(folder: &Folder, terrain: &str) -> Vec<f32> {
-    folder.succeed(&format!("export {terrain} out.r32"));
-    folder.heights("out.r32")
-}
-
 /// A terrain whose heights tell where they are.
 fn terrain(folder: &Folder) -> Vec<f32> {
     folder.succeed(&format!("new t.orogeny --size {SIDE}x{SIDE} --spacing 2"));
     let ridge = json!({ "type": "ramp", "radius": 600, "falloff": 0, "height": 0, "end_height": 300 });
     let roughen = json!({ "type": "roughen", "strength": 4 });
-    apply(
-        folder,
+    folder.apply(
+        "t.orogeny",
+        "",
         &json!([
             { "op": "stroke", "brush": ridge, "points": [[0, 200], [398, 200]] },
             { "op": "fill", "brush": roughen },
         ]),
     );
-    heights(folder, "t.orogeny")
+    folder.heights_of("t.orogeny")
 }
 
 /// A fill of the square of 40 m from (300, 300) m on by a clone with its place at (100, 120) m.
@@ -57,19 +48,19 @@ fn assert_replayed(folder: &Folder, files: &[&str], expected: &[f32]) {
     }
     folder.succeed("check t.orogeny");
     folder.succeed("replay t.orogeny again.orogeny");
-    assert_eq!(heights(folder, "again.orogeny"), expected);
+    assert_eq!(folder.heights_of("again.orogeny"), expected);
 }
 
 #[test]
 fn a_place_of_the_same_layer_is_copied() {
     let folder = Folder::new();
     let before = terrain(&folder);
-    apply(&folder, &json!([fill(&json!({ "at": [100, 120] }))]));
-    let after = heights(&folder, "t.orogeny");
+    folder.apply("t.orogeny", "", &json!([fill(&json!({ "at": [100, 120] }))]));
+    let after = folder.heights_of("t.orogeny");
     assert_cloned(&before, &after, |x, z| before[(60 + z) * SIDE + 50 + x]);
     assert_replayed(&folder, &[], &after);
     folder.succeed("undo t.orogeny");
-    assert_eq!(heights(&folder, "t.orogeny"), before);
+    assert_eq!(folder.heights_of("t.orogeny"), before);
 }
 
 #[test]
@@ -79,10 +70,10 @@ fn another_layer_is_copied_and_named_by_its_id() {
     let detail: Vec<u8> = (0..SIDE * SIDE).flat_map(|index| (1000.0 + index as f32).to_le_bytes()).collect();
     folder.write("detail.r32", detail);
     folder.succeed(&format!("import detail.r32 t.orogeny --layer Detail --size {SIDE}x{SIDE}"));
-    let with_layer = heights(&folder, "t.orogeny");
+    let with_layer = folder.heights_of("t.orogeny");
     assert_eq!(with_layer[7], before[7] + 1007.0);
-    apply(&folder, &json!([fill(&json!({ "at": [100, 120], "layer": "Detail" }))]));
-    let after = heights(&folder, "t.orogeny");
+    folder.apply("t.orogeny", "", &json!([fill(&json!({ "at": [100, 120], "layer": "Detail" }))]));
+    let after = folder.heights_of("t.orogeny");
     let index = |x: usize, z: usize| z * SIDE + x;
     assert_cloned(&with_layer, &after, |x, z| {
         (1000.0 + index(50 + x, 60 + z) as f32) + (1000.0 + index(150 + x, 150 + z) as f32)
@@ -102,14 +93,14 @@ fn a_file_and_another_terrain_are_copied_and_kept() {
     folder.succeed("import piece.r32 other.orogeny --size 120x90 --spacing 2");
     folder.succeed("export other.orogeny piece.npy");
     for file in ["piece.npy", "other.orogeny"] {
-        apply(&folder, &json!([fill(&json!({ "at": [100, 120], "file": file }))]));
-        let after = heights(&folder, "t.orogeny");
+        folder.apply("t.orogeny", "", &json!([fill(&json!({ "at": [100, 120], "file": file }))]));
+        let after = folder.heights_of("t.orogeny");
         // Sample (50, 60) of it lies on the square's first; beyond its last row nothing is copied.
         assert_cloned(&before, &after, |x, z| at(50 + x, 60 + z));
         folder.succeed("undo t.orogeny");
     }
     folder.succeed("redo t.orogeny");
-    let after = heights(&folder, "t.orogeny");
+    let after = folder.heights_of("t.orogeny");
     assert_replayed(&folder, &["piece.npy", "other.orogeny", "piece.r32"], &after);
     folder.write("recipe.json", json!({ "operations": [fill(&json!({ "file": "gone.npy" }))] }).to_string());
     folder.fail("apply t.orogeny recipe.json", &["gone.npy"]);
@@ -120,14 +111,15 @@ fn only_what_is_selected_at_the_source_is_copied() {
     let folder = Folder::new();
     let before = terrain(&folder);
     let paint = json!({ "type": "paint_mask", "radius": 20, "falloff": 0 });
-    apply(
-        &folder,
+    folder.apply(
+        "t.orogeny",
+        "",
         &json!([
             { "op": "fill", "target": "selection", "brush": paint, "region": [100, 120, 20, 40] },
             fill(&json!({ "at": [100, 120], "selection": true })),
         ]),
     );
-    let after = heights(&folder, "t.orogeny");
+    let after = folder.heights_of("t.orogeny");
     assert_cloned(&before, &after, |x, z| {
         if x < 10 { before[(60 + z) * SIDE + 50 + x] } else { before[(150 + z) * SIDE + 150 + x] }
     });
@@ -161,7 +153,7 @@ fn what_cannot_be_cloned_is_refused_and_nothing_changes() {
         folder.write("recipe.json", json!({ "operations": [operation] }).to_string());
         folder.fail("apply t.orogeny recipe.json", &words);
     }
-    assert_eq!(heights(&folder, "t.orogeny"), before);
+    assert_eq!(folder.heights_of("t.orogeny"), before);
 }
 
 /// A piece is placed as a whole: turned, it is not cut by the square that it comes from.
@@ -171,9 +163,9 @@ fn a_region_is_pasted_turned_and_mirrored_and_costs_what_it_touches() {
     let before = terrain(&folder);
     let source = json!({ "region": [100, 120, 40, 20], "to": [320, 300], "rotation": 90, "mirrored": true });
     let paste = json!({ "op": "fill", "brush": { "type": "clone", "blend": "plain", "source": source } });
-    let report = apply(&folder, &json!([paste]));
+    let report = folder.apply("t.orogeny", "", &json!([paste]));
     assert_eq!(report["operations"][0]["num_pages"], 1, "{report}");
-    let after = heights(&folder, "t.orogeny");
+    let after = folder.heights_of("t.orogeny");
     // The piece is 20 x 10 samples about (60, 65), its middle comes to (160, 150): a quarter turn of its mirror image.
     let mut num_pasted = 0;
     for (index, (before_there, after)) in before.iter().zip(&after).enumerate() {
@@ -203,8 +195,8 @@ fn only_what_is_needed_of_a_vast_terrain_is_kept() {
     let piece = folder.heights("piece.r32");
     let source = json!({ "file": "big.orogeny", "at": [12000, 10000], "to": [9, 9] });
     let brush = json!({ "type": "clone", "blend": "plain", "radius": 60, "source": source });
-    apply(&folder, &json!([{ "op": "stroke", "brush": brush, "points": [[200, 200]] }]));
-    let after = heights(&folder, "t.orogeny");
+    folder.apply("t.orogeny", "", &json!([{ "op": "stroke", "brush": brush, "points": [[200, 200]] }]));
+    let after = folder.heights_of("t.orogeny");
     for (index, after) in after.iter().enumerate() {
         let (x, z) = (index % SIDE, index / SIDE);
         let is_inside = (x as f64 - 100.0).hypot(z as f64 - 100.0) < 29.999;

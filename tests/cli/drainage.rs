@@ -6,16 +6,6 @@ use crate::program::Folder;
 
 const SIDE: usize = 200;
 
-fn apply(folder: &Folder, operations: &Value) -> Value {
-    folder.write("recipe.json", json!({ "operations": operations }).to_string());
-    folder.succeed("apply t.orogeny recipe.json")
-}
-
-fn heights(folder: &Folder, terrain: &str) -> Vec<f32> {
-    folder.succeed(&format!("export {terrain} out.r32"));
-    folder.heights("out.r32")
-}
-
 /// A terrain of two valleys along z, at x = 50 and 150, that fall to the south.
 fn terrain(folder: &Folder) -> Vec<f32> {
     let at = |x: usize, z: usize| {
@@ -26,14 +16,14 @@ fn terrain(folder: &Folder) -> Vec<f32> {
         (0..SIDE * SIDE).flat_map(|index| at(index % SIDE, index / SIDE).to_le_bytes()).collect();
     folder.write("ground.r32", ground);
     folder.succeed(&format!("import ground.r32 t.orogeny --size {SIDE}x{SIDE} --spacing 2"));
-    heights(folder, "t.orogeny")
+    folder.heights_of("t.orogeny")
 }
 
 /// Does everything again from the history, in another terrain.
 fn assert_replayed(folder: &Folder, expected: &[f32]) {
     folder.succeed("check t.orogeny");
     folder.succeed("replay t.orogeny again.orogeny");
-    assert_eq!(heights(folder, "again.orogeny"), expected);
+    assert_eq!(folder.heights_of("again.orogeny"), expected);
 }
 
 #[test]
@@ -42,14 +32,15 @@ fn what_is_gated_by_a_mask_of_flow_changes_the_valleys_only() {
     let before = terrain(&folder);
     let flow = json!({ "type": "flow_mask", "from": 4000, "to": 20000 });
     let gated = json!({ "type": "lower", "strength": 10, "gate": { "selection": true } });
-    apply(
-        &folder,
+    folder.apply(
+        "t.orogeny",
+        "",
         &json!([
             { "op": "fill", "target": "selection", "brush": flow },
             { "op": "fill", "brush": gated },
         ]),
     );
-    let after = heights(&folder, "t.orogeny");
+    let after = folder.heights_of("t.orogeny");
     for (index, (before, after)) in before.iter().zip(&after).enumerate() {
         let (x, z) = (index % SIDE, index / SIDE);
         match x {
@@ -62,7 +53,7 @@ fn what_is_gated_by_a_mask_of_flow_changes_the_valleys_only() {
     }
     assert_replayed(&folder, &after);
     folder.succeed("undo t.orogeny");
-    assert_eq!(heights(&folder, "t.orogeny"), before);
+    assert_eq!(folder.heights_of("t.orogeny"), before);
 }
 
 #[test]
@@ -71,24 +62,29 @@ fn pits_are_filled_and_droplets_run_and_both_can_be_done_again_and_undone() {
     let before = terrain(&folder);
     let dig = json!({ "type": "lower", "radius": 30, "strength": 40 });
     let stroke = |brush: &Value| json!({ "op": "stroke", "brush": brush, "points": [[90, 200], [150, 260]], "seed": 3 });
-    apply(&folder, &json!([{ "op": "stroke", "brush": dig, "points": [[100, 200]] }]));
-    let dug = heights(&folder, "t.orogeny");
+    folder.apply("t.orogeny", "", &json!([{ "op": "stroke", "brush": dig, "points": [[100, 200]] }]));
+    let dug = folder.heights_of("t.orogeny");
     assert!(dug[100 * SIDE + 50] < before[100 * SIDE + 50] - 39.0);
-    apply(
-        &folder,
+    folder.apply(
+        "t.orogeny",
+        "",
         &json!([{ "op": "fill", "brush": { "type": "fill_pits" }, "region": [40, 100, 300, 250] }]),
     );
-    let filled = heights(&folder, "t.orogeny");
+    let filled = folder.heights_of("t.orogeny");
     // The pit's outlet is where the valley goes on, 15 samples further south.
     let outlet = filled[100 * SIDE + 50];
     assert!(outlet > dug[100 * SIDE + 50] + 30.0 && outlet < before[100 * SIDE + 50], "{outlet}");
-    apply(&folder, &json!([stroke(&json!({ "type": "erode_droplets", "radius": 50, "droplets": 2 }))]));
-    let eroded = heights(&folder, "t.orogeny");
+    folder.apply(
+        "t.orogeny",
+        "",
+        &json!([stroke(&json!({ "type": "erode_droplets", "radius": 50, "droplets": 2 }))]),
+    );
+    let eroded = folder.heights_of("t.orogeny");
     let num_changed = eroded.iter().zip(&filled).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
     assert!(num_changed > 500, "{num_changed}");
     assert_replayed(&folder, &eroded);
     folder.succeed("undo t.orogeny");
-    assert_eq!(heights(&folder, "t.orogeny"), filled);
+    assert_eq!(folder.heights_of("t.orogeny"), filled);
 }
 
 #[test]

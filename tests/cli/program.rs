@@ -74,6 +74,18 @@ impl Folder {
         serde_json::from_str(&ran.stdout).unwrap_or_else(|err| panic!("{line}: {err}: {}", ran.stdout))
     }
 
+    /// Applies operations to a terrain, which must succeed, and gives what was reported.
+    pub fn apply(&self, terrain: &str, options: &str, operations: &Value) -> Value {
+        self.write("recipe.json", serde_json::json!({ "operations": operations }).to_string());
+        self.succeed(&format!("apply {terrain} recipe.json {options}"))
+    }
+
+    /// The heights of a terrain, as an export has them.
+    pub fn heights_of(&self, terrain: &str) -> Vec<f32> {
+        self.succeed(&format!("export {terrain} out.r32"));
+        self.heights("out.r32")
+    }
+
     /// Runs the program, which must fail with a message that holds all `words`, and must change nothing.
     pub fn fail(&self, line: &str, words: &[&str]) {
         let before = self.state();

@@ -1,12 +1,13 @@
 //! The ground that a clone brush copies: a field of the terrain, or data from outside, of which what is needed is kept.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use orogeny_brush::CloneGround;
 use orogeny_field::{Alignment, Brush, BrushType, DataSource, Placement, Plane, SampleRect, TerrainGrid};
-use orogeny_formats::{ExportOptions, Format, ImportOptions};
+use orogeny_formats::{ExportOptions, ImportOptions};
 use orogeny_store::{Layer, Recording};
+use tempfile::TempDir;
 
 use crate::access::{Access, band_bytes};
 use crate::composite::{Composite, Source};
@@ -18,8 +19,6 @@ use crate::{Error, LayerReference, Operation, Result, Target};
 const MAX_SAMPLES: u64 = 4096 * 4096;
 /// The most bytes of them, with what a file says of itself.
 const MAX_BYTES: u64 = MAX_SAMPLES * 4 + (1 << 10);
-/// What ends the name of a file of them.
-pub(crate) const ENDING: &str = "npy";
 /// The ending of terrains.
 const TERRAIN_ENDING: &str = "orogeny";
 
@@ -57,7 +56,7 @@ pub(crate) fn load(
     let (plane, spacing_m) = match data {
         DataSource::File(file) => {
             let cut = cut_out(operation, brush, grid, Path::new(&file))?;
-            let bytes = bytes_of(&cut.plane, Path::new(&file))?;
+            let bytes = bytes_of(&cut.plane)?;
             let hash = recording
                 .with_transaction(move |transaction| transaction.keep_blob(&mut bytes.as_slice()))?;
             let source = &mut brush.cloning.source;
@@ -193,10 +192,8 @@ fn reached(operation: &Operation, brush: &Brush, grid: &TerrainGrid) -> Result<(
 }
 
 /// A plane as a file's bytes.
-fn bytes_of(plane: &Plane, file: &Path) -> Result<Vec<u8>> {
-    let failed = |source| Error::Write { path: file.to_owned(), source };
-    let folder = tempfile::tempdir().map_err(failed)?;
-    let path = folder.path().join("clone").with_extension(ENDING);
+fn bytes_of(plane: &Plane) -> Result<Vec<u8>> {
+    let (_folder, path) = temporary_file()?;
     let rect = plane.rect();
     let mut export = orogeny_formats::create(&path, &ExportOptions::default(), rect.width(), rect.depth())?;
     export.write_rows(plane.samples())?;
@@ -206,13 +203,16 @@ fn bytes_of(plane: &Plane, file: &Path) -> Result<Vec<u8>> {
 
 /// The plane of a file's bytes.
 fn plane_of(bytes: &[u8]) -> Result<Plane> {
-    let folder = tempfile::tempdir();
-    let path = |folder: &tempfile::TempDir| folder.path().join("clone").with_extension(ENDING);
-    let failed = |source| Error::Write { path: std::env::temp_dir(), source };
-    let folder = folder.map_err(failed)?;
-    std::fs::write(path(&folder), bytes).map_err(failed)?;
-    let options = ImportOptions { format: Some(Format::Npy), ..ImportOptions::default() };
-    let mut raster = orogeny_formats::open(path(&folder), &options)?;
+    let (_folder, path) = temporary_file()?;
+    std::fs::write(&path, bytes).map_err(|source| Error::Write { path: path.clone(), source })?;
+    let mut raster = orogeny_formats::open(&path, &ImportOptions::default())?;
     let bounds = SampleRect::new(0, 0, raster.info().width.cast_signed(), raster.info().depth.cast_signed());
     read(bounds, bounds, |row| Ok(raster.read_rows(row).map(drop)?))
+}
+
+/// A name for a file of heights, in a folder that goes with its handle.
+fn temporary_file() -> Result<(TempDir, PathBuf)> {
+    let folder = tempfile::tempdir().map_err(|source| Error::Write { path: std::env::temp_dir(), source })?;
+    let path = folder.path().join("clone").with_extension(resources::HEIGHTS_ENDING);
+    Ok((folder, path))
 }

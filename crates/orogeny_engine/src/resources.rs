@@ -9,9 +9,10 @@ use orogeny_field::{Bitmap, Brush, DataSource, Gate};
 use orogeny_shaders::custom::compile_custom;
 use orogeny_store::{BlobHash, Recording, Store};
 
-use crate::clone_source;
 use crate::{Error, Result};
 
+/// What ends the name of a file of heights that a brush brings with it; pictures and texts are told by their content.
+pub(crate) const HEIGHTS_ENDING: &str = "npy";
 /// The most bytes of a picture for a brush.
 const MAX_PICTURE_BYTES: u64 = 64 << 20;
 /// The most bytes of a custom brush's text.
@@ -91,8 +92,7 @@ pub(crate) fn resolve_files(brush: &mut Brush, folder: &Path) {
 pub(crate) fn unpack(brush: &mut Brush, source: &Store, folder: &Path) -> Result<()> {
     for data in sources(brush) {
         let DataSource::Blake3(name) = data else { continue };
-        // The ending tells what is cloned what it is; all else is told by its content.
-        let path = folder.join(&*name).with_extension(clone_source::ENDING);
+        let path = folder.join(&*name).with_extension(HEIGHTS_ENDING);
         let failed = |source| Error::Write { path: path.clone(), source };
         let mut file = std::fs::File::create(&path).map_err(failed)?;
         source.read_blob(&hash_of(name)?, &mut file)?;

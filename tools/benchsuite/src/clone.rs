@@ -7,7 +7,7 @@ use anyhow::Result;
 use orogeny_field::{Alignment, Brush, BrushType, CloneBlend, CloneSource, Cloning};
 
 use crate::fill::Fill;
-use crate::measure::Times;
+use crate::measure::{Times, thread_counts};
 use crate::opencv;
 use crate::report::{Figure, Report, Unit};
 
@@ -16,12 +16,9 @@ const NUM_SAMPLES: f64 = (SIDE * SIDE) as f64;
 const NUM_LEVELS: u32 = 6;
 
 pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
-    let num_cores = std::thread::available_parallelism()?.get();
-    let mut thread_counts = vec![1, num_cores];
-    thread_counts.dedup();
     let python = opencv::python(report);
     let rough = Brush::new(BrushType::Roughen, 1.0, 100.0);
-    for num_threads in thread_counts {
+    for num_threads in thread_counts()? {
         let mut limit = None;
         for (name, blend, scale) in [
             ("laplacian", CloneBlend::Laplacian, 1.0),

@@ -11,7 +11,7 @@ use orogeny_field::{Brush, BrushType, FlowRouting, Pipes, Thermal};
 
 use crate::fill::Fill;
 use crate::limit::CopyLimit;
-use crate::measure::Times;
+use crate::measure::{Times, thread_counts};
 use crate::report::{Figure, Report};
 
 const SIDE: u64 = 2048;
@@ -19,10 +19,7 @@ const ITERATIONS: u32 = 20;
 const NUM_SAMPLES: f64 = (SIDE * SIDE) as f64;
 
 pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
-    let num_cores = std::thread::available_parallelism()?.get();
-    let mut thread_counts = vec![1, num_cores];
-    thread_counts.dedup();
-    for num_threads in thread_counts {
+    for num_threads in thread_counts()? {
         let mut limit = CopyLimit::new();
         let mut copies = Times::default();
         let mut cases = vec![];

@@ -1,5 +1,6 @@
 //! Measurements with their spread.
 
+use std::num::NonZero;
 use std::time::Instant;
 
 /// Repeated measurements of one thing, in seconds.
@@ -63,4 +64,14 @@ impl Spread {
             highest: at(values.last()),
         }
     }
+}
+
+/// One thread, and as many as there are cores.
+///
+/// # Errors
+/// When the system does not tell how many cores there are.
+pub fn thread_counts() -> std::io::Result<Vec<usize>> {
+    let mut counts = vec![1, std::thread::available_parallelism().map(NonZero::get)?];
+    counts.dedup();
+    Ok(counts)
 }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use simdnoise::NoiseBuilder;
 
 use crate::fill::Fill;
-use crate::measure::Times;
+use crate::measure::{Times, thread_counts};
 use crate::report::{Figure, Report, Unit};
 
 const SIDE: usize = 4096;
@@ -24,10 +24,7 @@ const NUM_SAMPLES: f64 = (SIDE * SIDE) as f64;
 const FEW_ROWS: usize = 256;
 
 pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
-    let num_cores = std::thread::available_parallelism()?.get();
-    let mut thread_counts = vec![1, num_cores];
-    thread_counts.dedup();
-    for num_threads in thread_counts {
+    for num_threads in thread_counts()? {
         on_threads(report, repeat, num_threads)?;
     }
     Ok(())

@@ -7,7 +7,7 @@ use orogeny_gpu::{AdapterChoice, Gpu};
 use orogeny_pages::MemoryPages;
 
 use crate::limit::CopyLimit;
-use crate::measure::Times;
+use crate::measure::{Times, thread_counts};
 use crate::report::{Figure, Report};
 
 /// 512 MiB of heights, so that successive instances find their pages in memory and not in a cache.
@@ -22,10 +22,7 @@ const SHAPES: [(&str, ProfileShape); 3] = [
 ];
 
 pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
-    let num_cores = std::thread::available_parallelism()?.get();
-    let mut thread_counts = vec![1, num_cores];
-    thread_counts.dedup();
-    for num_threads in thread_counts {
+    for num_threads in thread_counts()? {
         on_cpu(report, repeat, num_threads)?;
     }
     match Gpu::open(&AdapterChoice::RealGpu) {

@@ -7,7 +7,7 @@ use anyhow::Result;
 use orogeny_field::{Brush, BrushType, Smoothing};
 
 use crate::fill::Fill;
-use crate::measure::Times;
+use crate::measure::{Times, thread_counts};
 use crate::opencv;
 use crate::report::{Figure, Report, Unit};
 
@@ -19,12 +19,9 @@ const SIGMAS: [f64; 4] = [8.0 / 3.0, 32.0 / 3.0, 128.0 / 3.0, 256.0];
 const MAX_OPENCV_SIGMA: f64 = 128.0 / 3.0;
 
 pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
-    let num_cores = std::thread::available_parallelism()?.get();
-    let mut thread_counts = vec![1, num_cores];
-    thread_counts.dedup();
     let python = opencv::python(report);
     let rough = Brush::new(BrushType::Roughen, 1.0, 100.0);
-    for num_threads in thread_counts {
+    for num_threads in thread_counts()? {
         for sigma in SIGMAS {
             let smoothing = Smoothing { width_m: Some(sigma), ..Smoothing::default() };
             let brush = Brush { smoothing, ..Brush::new(BrushType::Smooth, 1.0, 1.0) };

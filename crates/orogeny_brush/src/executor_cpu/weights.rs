@@ -36,18 +36,15 @@ pub(super) fn fill(plane: &mut Plane, weights: &Weights, gate: &[(SampleRect, Pa
                 }
                 weights::gather_row(part, x0, z, instance, &weights.footprint);
             }
-            if weights.gate.is_some() {
-                let row_rect = SampleRect::new(rect.x0, z, rect.x1, z + 1);
-                let_through(row, &row_rect, &weights.rect(), gate);
-            }
+            let_through(row, &SampleRect::new(rect.x0, z, rect.x1, z + 1), gate);
         }
     });
 }
 
-/// Multiplies a row of weights by what a gate lets through where any instance reaches.
-fn let_through(row: &mut [f32], row_rect: &SampleRect, reached: &SampleRect, gate: &[(SampleRect, Page)]) {
+/// Multiplies a row of weights by what a gate lets through; without pages nothing is gated.
+fn let_through(row: &mut [f32], row_rect: &SampleRect, gate: &[(SampleRect, Page)]) {
     for (page_rect, page) in gate {
-        let both = page_rect.intersection(row_rect).intersection(reached);
+        let both = page_rect.intersection(row_rect);
         if both.is_empty() {
             continue;
         }

@@ -103,6 +103,19 @@ fn constants(pass: &Pass, own: &OwnData) -> Vec<(&'static str, u32)> {
     uniforms::constants(pass).chain(own.constants.iter().copied()).collect()
 }
 
+/// The tiles of a dispatch: a kernel asks for their number, so the binding ends with the last one.
+fn tiles_binding<'a>(buffer: &'a wgpu::Buffer, list: &TileList) -> wgpu::BindingResource<'a> {
+    let size = wgpu::BufferSize::new(size_of_val(list.tiles.as_slice()) as u64);
+    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+}
+
+/// One workgroup a tile, in as many columns as there may be; there is a tile at least.
+fn workgroups(gpu: &Gpu, list: &TileList) -> [u32; 2] {
+    let num_tiles = list.tiles.len() as u32;
+    let columns = num_tiles.min(gpu.device().limits().max_compute_workgroups_per_dimension);
+    [columns, num_tiles.div_ceil(columns)]
+}
+
 /// What a page on its way back is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ReadbackTag {
@@ -406,12 +419,7 @@ impl GpuExecutor {
             wgpu::BindingResource::TextureView(alpha),
             shared.curves.as_entire_binding(),
             shared.instances.as_entire_binding(),
-            // The kernel asks for the length, so the binding ends with the last tile.
-            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: &tiles,
-                offset: 0,
-                size: wgpu::BufferSize::new(size_of_val(list.tiles.as_slice()) as u64),
-            }),
+            tiles_binding(&tiles, &list),
             indices.as_entire_binding(),
             self.counters.as_entire_binding(),
             wgpu::BindingResource::TextureView(heights),
@@ -422,9 +430,7 @@ impl GpuExecutor {
         let goal = goal_place.iter().chain(goal.map(|goal| &goal.buffer));
         let own = shared.own_buffers.iter().chain(&lattice).chain(goal);
         resources.extend(own.map(wgpu::Buffer::as_entire_binding));
-        let num_tiles = list.tiles.len() as u32;
-        let columns = num_tiles.min(self.gpu.device().limits().max_compute_workgroups_per_dimension);
-        kernel.record(&self.gpu, encoder, stem, resources, [columns, num_tiles.div_ceil(columns)]);
+        kernel.record(&self.gpu, encoder, stem, resources, workgroups(&self.gpu, &list));
         Ok(())
     }
 

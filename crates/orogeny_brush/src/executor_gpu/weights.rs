@@ -6,7 +6,7 @@ use orogeny_pages::PageStore;
 use super::goals::Rows;
 use super::planes::GpuPlane;
 use super::uniforms::{self, BrushUniform};
-use super::{GpuExecutor, NO_FIELD};
+use super::{GpuExecutor, NO_FIELD, tiles_binding, workgroups};
 use crate::Result;
 use crate::filter::Weights;
 use crate::filter::kernels::weights::STEM;
@@ -56,12 +56,7 @@ impl GpuExecutor {
             wgpu::BindingResource::TextureView(self.alpha_view(batch.pass.bitmap())),
             curves.as_entire_binding(),
             instances.as_entire_binding(),
-            // The kernel asks for the length, so the binding ends with the last tile.
-            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: &tiles,
-                offset: 0,
-                size: wgpu::BufferSize::new(size_of_val(list.tiles.as_slice()) as u64),
-            }),
+            tiles_binding(&tiles, &list),
             indices.as_entire_binding(),
             place.as_entire_binding(),
             gate.as_ref().map_or(&no_gate, |gate| &gate.buffer).as_entire_binding(),
@@ -71,9 +66,7 @@ impl GpuExecutor {
         let constants: Vec<_> =
             uniforms::footprint_constants(&weights.footprint).into_iter().chain([is_gated]).collect();
         let kernel = self.gpu.kernel(STEM, &constants)?;
-        let num_tiles = list.tiles.len() as u32;
-        let columns = num_tiles.min(self.gpu.device().limits().max_compute_workgroups_per_dimension);
-        kernel.record(&self.gpu, encoder, STEM, resources, [columns, num_tiles.div_ceil(columns)]);
+        kernel.record(&self.gpu, encoder, STEM, resources, workgroups(&self.gpu, &list));
         if let Some(gate) = gate {
             self.planes.give_back(gate);
         }

@@ -45,7 +45,7 @@ pub fn blocks(layout: PageLayout, pages: &[PageWork], graph: &Graph) -> Vec<Bloc
 fn side(graph: &Graph, bounds: &SampleRect) -> u32 {
     let wanted = BLOCK_SIDE.max(graph.halo().saturating_mul(HALOS_A_SIDE));
     let longest = bounds.width().max(bounds.depth());
-    let mut side = if longest <= wanted { longest } else { wanted };
+    let mut side = longest.min(wanted);
     let fits = |side: u32| {
         let middle = |first: i32, end: i32| first + (end - first - side.cast_signed().min(end - first)) / 2;
         let (x, z) = (middle(bounds.x0, bounds.x1), middle(bounds.z0, bounds.z1));
