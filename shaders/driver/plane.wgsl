@@ -5,9 +5,13 @@
 
 const WORKGROUP_SIDE = 16u;
 
+// A bit for each input that is a part of a ground, which is mirrored at its border. A constant: a driver that works out both sides
+// of a condition would else find for each sample of the others where it would lie.
+override MIRRORED_INPUTS: u32 = 15u;
+
 struct Input {
     plane: Plane,
-    extent: vec2<u32>, // samples of the ground that it is a part of, where that is mirrored at its border; else 0
+    extent: vec2<u32>, // samples of the ground that it is a part of, where that is mirrored at its border
     padding: vec2<u32>,
 }
 
@@ -16,8 +20,6 @@ struct Step {
     inputs: array<Input, 4>,
     size: vec2<u32>,   // of the result
     extent: vec2<u32>, // samples of the terrain
-    phase: u32,        // which part of an iteration it is, of a simulation
-    padding: u32,
 }
 
 @group(1) @binding(0) var<uniform> step_planes: Step;
@@ -27,48 +29,48 @@ struct Step {
 @group(1) @binding(4) var<storage, read> fourth_values: array<f32>;
 @group(1) @binding(5) var<storage, read_write> result_values: array<f32>;
 
-// Where a place lies once a grid is mirrored at its ends. Twin: orogeny_field::mirrored.
+// Where a place, at most 2^23 from the grid, lies once that is mirrored at its ends: as far from 0 as it is from the nearest
+// multiple of the period, or from the next one where the quotient's rounding took that for the nearest. Without a division of
+// whole numbers, which costs more than most kernels that read by this. Twin: orogeny_field::mirrored.
 fn mirrored(place: i32, num_samples: u32) -> i32 {
-    let last = i32(num_samples) - 1;
-    if last == 0 {
-        return 0;
-    }
-    let period = 2 * last;
-    let within = (place % period + period) % period;
-    return min(within, period - within);
+    let period = 2 * max(i32(num_samples) - 1, 0);
+    let nearest = i32(round(f32(place) / f32(max(period, 1))));
+    let away = abs(place - nearest * period);
+    return select(min(away, period - away), 0, period == 0);
 }
 
-fn index_of(input: u32, channel: u32, sample: vec2<i32>) -> u32 {
-    let extent = step_planes.inputs[input].extent;
+fn index_of(input: u32, sample: vec2<i32>) -> u32 {
     var place = sample;
-    if extent.x > 0u {
+    if (MIRRORED_INPUTS & (1u << input)) != 0u {
+        let extent = step_planes.inputs[input].extent;
         place = vec2<i32>(mirrored(place.x, extent.x), mirrored(place.y, extent.y));
     }
-    return index_in(step_planes.inputs[input].plane, channel, place);
+    return index_in(step_planes.inputs[input].plane, 0u, place);
 }
 
 fn first_at(sample: vec2<i32>) -> f32 {
-    return first_values[index_of(0u, 0u, sample)];
+    return first_values[index_of(0u, sample)];
 }
 
 fn second_at(sample: vec2<i32>) -> f32 {
-    return second_values[index_of(1u, 0u, sample)];
+    return second_values[index_of(1u, sample)];
 }
 
 fn third_at(sample: vec2<i32>) -> f32 {
-    return third_values[index_of(2u, 0u, sample)];
+    return third_values[index_of(2u, sample)];
 }
 
 fn fourth_at(sample: vec2<i32>) -> f32 {
-    return fourth_values[index_of(3u, 0u, sample)];
+    return fourth_values[index_of(3u, sample)];
 }
 
+// Of planes that are read on the terrain only.
 fn first_channel_at(channel: u32, sample: vec2<i32>) -> f32 {
-    return first_values[index_of(0u, channel, sample)];
+    return first_values[index_in(step_planes.inputs[0].plane, channel, sample)];
 }
 
 fn second_channel_at(channel: u32, sample: vec2<i32>) -> f32 {
-    return second_values[index_of(1u, channel, sample)];
+    return second_values[index_in(step_planes.inputs[1].plane, channel, sample)];
 }
 
 fn is_on_terrain(sample: vec2<i32>) -> bool {

@@ -21,9 +21,12 @@ struct PhaseWeights {
 fn update_sample(sample: vec2<i32>) {
     let axis = select(vec2<i32>(1, 0), vec2<i32>(0, 1), AXIS == 1u);
     let place = select(sample.x, sample.y, AXIS == 1u);
-    let phase = (place % interpolate.num_phases + interpolate.num_phases) % interpolate.num_phases;
-    let coarse = sample + axis * ((place - phase) / interpolate.num_phases - place);
-    let weights = phases[phase];
+    // A division of whole numbers would cost more than all else here; the quotient's rounding may lead to the coarse sample beside.
+    var coarse_place = i32(floor(f32(place) / f32(interpolate.num_phases)));
+    let rest = place - coarse_place * interpolate.num_phases;
+    coarse_place += select(0, 1, rest >= interpolate.num_phases) - select(0, 1, rest < 0);
+    let coarse = sample + axis * (coarse_place - place);
+    let weights = phases[place - coarse_place * interpolate.num_phases];
     let here = first_at(coarse);
     store(0u, sample, here
         + weights.before * (first_at(coarse - axis) - here)

@@ -9,6 +9,8 @@ const FIRST_FLUX = 1u;
 const FLUX = 2u;
 const GROUND = 3u;
 
+// Constants, so that a kernel holds the code of its own part only.
+override PHASE: u32 = 0u;
 // Whether the third plane of the ground is the hardness.
 override HAS_HARDNESS: u32 = 0u;
 
@@ -66,14 +68,14 @@ fn flow_at(direction: u32, sample: vec2<i32>) -> f32 {
 }
 
 fn begin(sample: vec2<i32>) {
-    store(TERRAIN, sample, first_at(sample));
+    store(TERRAIN, sample, first_channel_at(0u, sample));
     store(WATER, sample, 0.0);
     store(SEDIMENT, sample, 0.0);
 }
 
 fn new_flow(direction: u32, sample: vec2<i32>, neighbour: vec2<i32>) -> f32 {
     var old = 0.0;
-    if step_planes.phase == FLUX {
+    if PHASE == FLUX {
         old = second_channel_at(direction, sample);
     }
     let drop = (first_channel_at(TERRAIN, sample) - ground_or(neighbour, WALL_M))
@@ -156,7 +158,7 @@ fn update_ground(sample: vec2<i32>) {
 }
 
 fn update_sample(sample: vec2<i32>) {
-    switch step_planes.phase {
+    switch PHASE {
         case BEGIN: {
             begin(sample);
         }

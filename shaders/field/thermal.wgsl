@@ -6,6 +6,8 @@
 // orogeny_brush::filter::ThermalPhase
 const SHARES = 0u;
 
+// Constants, so that a kernel holds the code of its own part only.
+override PHASE: u32 = 0u;
 // Whether the second plane of shares is the hardness.
 override HAS_HARDNESS: u32 = 0u;
 
@@ -30,7 +32,7 @@ struct ThermalLayer {
 
 fn height_at(sample: vec2<i32>) -> f32 {
     if is_on_terrain(sample) {
-        return first_at(sample);
+        return first_channel_at(0u, sample);
     }
     return WALL_M;
 }
@@ -50,7 +52,7 @@ fn excess(height: f32, sample: vec2<i32>, talus_m: f32) -> f32 {
 }
 
 fn update_shares(sample: vec2<i32>) {
-    let height = first_at(sample);
+    let height = first_channel_at(0u, sample);
     let rock = rock_at(height);
     let diagonal_m = rock.talus_m * SQRT_2;
     let w = excess(height, sample + vec2<i32>(-1, 0), rock.talus_m);
@@ -81,7 +83,7 @@ fn net(height: f32, share: f32, talus_m: f32, neighbour: vec2<i32>, distance: f3
     if !is_on_terrain(neighbour) {
         return 0.0;
     }
-    let drop = height - first_at(neighbour);
+    let drop = height - first_channel_at(0u, neighbour);
     var there_m = talus_m;
     if thermal.num_layers > 1u {
         there_m = second_channel_at(1u, neighbour);
@@ -91,7 +93,7 @@ fn net(height: f32, share: f32, talus_m: f32, neighbour: vec2<i32>, distance: f3
 }
 
 fn update_heights(sample: vec2<i32>) {
-    let height = first_at(sample);
+    let height = first_channel_at(0u, sample);
     let share = second_channel_at(0u, sample);
     var talus_m = layers[0].talus_m;
     if thermal.num_layers > 1u {
@@ -109,7 +111,7 @@ fn update_heights(sample: vec2<i32>) {
 }
 
 fn update_sample(sample: vec2<i32>) {
-    if step_planes.phase == SHARES {
+    if PHASE == SHARES {
         update_shares(sample);
     } else {
         update_heights(sample);

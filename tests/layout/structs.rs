@@ -109,7 +109,7 @@ fn mirrors() -> Vec<Mirror> {
         mirror!("Brush", BrushUniform { inverse_falloff_ratio, falloff_exponent, falloff_scale }),
         mirror!("Plane", PlaneUniform { origin, stride, channel_stride }),
         mirror!("Input", InputUniform { plane, extent, padding }),
-        mirror!("Step", StepUniform { result, inputs, size, extent, phase, padding }),
+        mirror!("Step", StepUniform { result, inputs, size, extent }),
         mirror!("Place", Place { cell, fraction }),
         mirror!("Resample", ResampleUniform { scale, offset_m }),
         mirror!("Cover", Part { first, last, inverse_feather, padding }),

@@ -3,12 +3,14 @@
 //!
 //! Rates are samples times iterations a second; of droplets, one of them for each sample, droplets a second. No library on the
 //! package registries erodes a heightfield, so there is nothing to run beside them; the share of the limit is that of the bandwidth at
-//! which the same threads copy memory, 8 bytes for each sample and iteration.
+//! which the same threads copy memory, 8 bytes for each sample and iteration. Then the erosions that a GPU works out, through that
+//! back end.
 
 use anyhow::Result;
 use orogeny_field::noise::Noise;
 use orogeny_field::{Brush, BrushType, FlowRouting, Pipes, Thermal};
 
+use crate::adapter;
 use crate::fill::Fill;
 use crate::limit::CopyLimit;
 use crate::measure::{Times, thread_counts};
@@ -16,6 +18,8 @@ use crate::report::{Figure, Report};
 
 const SIDE: u64 = 2048;
 const ITERATIONS: u32 = 20;
+/// Samples a side of what goes through the GPU back end, which may be a software driver.
+const ADAPTER_SIDE: u64 = 1024;
 const NUM_SAMPLES: f64 = (SIDE * SIDE) as f64;
 
 pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
@@ -40,7 +44,17 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
             report.add(Figure::rate(name, &times, num, Some(copy_bytes_per_s)));
         }
     }
-    Ok(())
+    let hills = hills();
+    let [thermal, fluvial, ..] = brushes();
+    let case = |(name, brush, iterations): (&str, Brush, u32)| adapter::Case {
+        name: format!("erode {name} as a fill"),
+        brush,
+        ground: &hills,
+        side: ADAPTER_SIDE,
+        spacing_m: 4.0,
+        iterations,
+    };
+    adapter::run(report, repeat, &[thermal, fluvial].map(case))
 }
 
 /// Each with its iterations.

@@ -1,28 +1,60 @@
-//! A brush as users have it, applied to a whole square of resident pages through the CPU back end.
+//! A brush as users have it, applied to a whole square of resident pages.
 
 use std::sync::Arc;
 
 use anyhow::Result;
-use orogeny_brush::{Batch, Canvas, CloneGround, CpuExecutor, Executor as _, Resources, plan_fill};
+use orogeny_brush::{
+    Batch, Canvas, CloneGround, CpuExecutor, Executor, GpuBudget, GpuExecutor, Resources, plan_fill,
+};
 use orogeny_field::{Brush, BrushType, FieldId, PageLayout, Plane, SampleRect, TerrainGrid, hash};
+use orogeny_gpu::Gpu;
 use orogeny_pages::MemoryPages;
 
 use crate::measure::Times;
 
+/// Of pages.
+const BUDGET_IN_BYTES: u64 = 1 << 30;
 /// What brushes for masks paint.
 const MASK: FieldId = FieldId(1);
 
 /// A fill, again and again.
 pub struct Fill {
-    executor: CpuExecutor,
+    executor: Box<dyn Executor>,
+    /// What is waited for.
+    gpu: Option<Gpu>,
     pages: MemoryPages,
     pieces: Vec<Batch>,
 }
 
 impl Fill {
-    /// Of `side` x `side` samples `spacing_m` apart, on ground that another brush has made of a plain.
+    /// Of `side` x `side` samples `spacing_m` apart, on ground that another brush has made of a plain, through the CPU back end.
     pub fn new(
         num_threads: usize,
+        side: u64,
+        spacing_m: f64,
+        ground: Option<&Brush>,
+        brush: &Brush,
+    ) -> Result<Self> {
+        let executor = CpuExecutor::new(PageLayout::default(), BUDGET_IN_BYTES, Some(num_threads))?;
+        Self::through(Box::new(executor), None, side, spacing_m, ground, brush)
+    }
+
+    /// The same through the GPU back end.
+    pub fn on_gpu(
+        gpu: &Gpu,
+        side: u64,
+        spacing_m: f64,
+        ground: Option<&Brush>,
+        brush: &Brush,
+    ) -> Result<Self> {
+        let budget = GpuBudget { budget_in_bytes: BUDGET_IN_BYTES, layers_per_array: 64 };
+        let executor = GpuExecutor::new(gpu.clone(), PageLayout::default(), budget)?;
+        Self::through(Box::new(executor), Some(gpu.clone()), side, spacing_m, ground, brush)
+    }
+
+    fn through(
+        executor: Box<dyn Executor>,
+        gpu: Option<Gpu>,
         side: u64,
         spacing_m: f64,
         ground: Option<&Brush>,
@@ -41,8 +73,7 @@ impl Fill {
             let resources = Resources { clone_ground, ..Resources::default() };
             plan_fill(brush, 3, canvas, resources, grid.bounds(), &mut store)
         };
-        let executor = CpuExecutor::new(layout, 1 << 30, Some(num_threads))?;
-        let mut fill = Self { executor, pages: MemoryPages::new(layout, 0.0), pieces: Vec::new() };
+        let mut fill = Self { executor, gpu, pages: MemoryPages::new(layout, 0.0), pieces: Vec::new() };
         if let Some(ground) = ground {
             fill.executor.run(&plan(ground)?, &mut fill.pages)?;
             fill.end()?;
@@ -53,8 +84,10 @@ impl Fill {
 
     /// Ends the operation too, outside of what is measured: the next one works anew.
     pub fn measure(&mut self, times: &mut Times) -> Result<()> {
-        times
-            .measure(|| self.pieces.iter().try_for_each(|piece| self.executor.run(piece, &mut self.pages)))?;
+        times.measure(|| -> Result<()> {
+            self.pieces.iter().try_for_each(|piece| self.executor.run(piece, &mut self.pages))?;
+            Ok(self.gpu.as_ref().map_or(Ok(()), Gpu::wait)?)
+        })?;
         self.end()
     }
 

@@ -6,6 +6,7 @@
 
 #![expect(clippy::print_stdout, reason = "printing figures is what this program is for")]
 
+mod adapter;
 mod clone;
 mod codecs;
 mod erode;

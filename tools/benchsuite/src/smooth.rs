@@ -1,11 +1,12 @@
 //! `smooth`: Gaussians of several widths over 4096 x 4096 samples, as a fill of resident pages through the CPU back end, beside
 //! OpenCV's exact `GaussianBlur` and its `stackBlur`, which is faster and no Gaussian.
 //!
-//! The share of the limit is that of `GaussianBlur`'s rate on the same threads.
+//! The share of the limit is that of `GaussianBlur`'s rate on the same threads; then the same fills through the GPU back end.
 
 use anyhow::Result;
 use orogeny_field::{Brush, BrushType, Smoothing};
 
+use crate::adapter;
 use crate::fill::Fill;
 use crate::measure::{Times, thread_counts};
 use crate::opencv;
@@ -13,6 +14,8 @@ use crate::report::{Figure, Report, Unit};
 
 const SIDE: u64 = 4096;
 const NUM_SAMPLES: f64 = (SIDE * SIDE) as f64;
+/// Samples a side of what goes through the GPU back end, which may be a software driver.
+const ADAPTER_SIDE: u64 = 2048;
 /// Standard deviations in samples: those of windows of a radius of 8, 32 and 128 in OpenCV, and wider.
 const SIGMAS: [f64; 4] = [8.0 / 3.0, 32.0 / 3.0, 128.0 / 3.0, 256.0];
 /// Fields and windows wider than that take OpenCV minutes.
@@ -23,8 +26,7 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
     let rough = Brush::new(BrushType::Roughen, 1.0, 100.0);
     for num_threads in thread_counts()? {
         for sigma in SIGMAS {
-            let smoothing = Smoothing { width_m: Some(sigma), ..Smoothing::default() };
-            let brush = Brush { smoothing, ..Brush::new(BrushType::Smooth, 1.0, 1.0) };
+            let brush = smooth(sigma);
             let mut fill = Fill::new(num_threads, SIDE, 1.0, Some(&rough), &brush)?;
             let (mut own, mut gaussian, mut stack) = (Times::default(), Times::default(), Times::default());
             for _ in 0..repeat {
@@ -47,7 +49,20 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
             }
         }
     }
-    Ok(())
+    let case = |sigma| adapter::Case {
+        name: format!("smooth as a fill, sigma {sigma:.1}"),
+        brush: smooth(sigma),
+        ground: &rough,
+        side: ADAPTER_SIDE,
+        spacing_m: 1.0,
+        iterations: 1,
+    };
+    adapter::run(report, repeat, &SIGMAS.map(case))
+}
+
+fn smooth(sigma: f64) -> Brush {
+    let smoothing = Smoothing { width_m: Some(sigma), ..Smoothing::default() };
+    Brush { smoothing, ..Brush::new(BrushType::Smooth, 1.0, 1.0) }
 }
 
 /// Seconds that OpenCV takes for its Gaussian and for its stack blur.

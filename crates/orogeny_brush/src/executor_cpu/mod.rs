@@ -150,11 +150,18 @@ impl CpuExecutor {
                 changed.push((key, page.heights));
             }
         }
+        self.planes.shrink_to(self.room_in_bytes(num_pages));
         while !changed.is_empty() {
             let rest = changed.split_off(changed.len().min(self.pages_saved_at_once()));
             store.save(std::mem::replace(&mut changed, rest)).map_err(orogeny_pages::Error::Source)?;
         }
         Ok(())
+    }
+
+    /// What the budget leaves beside the pages that are here and some more.
+    fn room_in_bytes(&self, num_pages: usize) -> u64 {
+        let num_pages = self.max_pages.saturating_sub(self.num_held + num_pages) as u64;
+        num_pages.saturating_mul(self.layout.size_in_bytes())
     }
 
     /// How many pages are handed over together: on a small budget, a small part of it.
@@ -200,7 +207,6 @@ impl CpuExecutor {
         self.dirty.clear();
         self.changed.clear();
         self.spilled_weights.clear();
-        self.planes.clear();
         self.regions.clear();
         for (_, page) in &mut self.resident {
             page.wash = None;
@@ -209,6 +215,8 @@ impl CpuExecutor {
             page.pattern = None;
         }
         self.num_held = self.resident.len();
+        // Memory of planes is kept for the next operation as far as the pages leave room for it.
+        self.planes.shrink_to(self.room_in_bytes(0));
     }
 }
 
@@ -252,6 +260,8 @@ impl Executor for CpuExecutor {
     }
 
     fn memory(&self) -> PageMemory {
-        PageMemory { host_in_bytes: self.num_held as u64 * self.layout.size_in_bytes(), textures_in_bytes: 0 }
+        let pages_in_bytes = self.num_held as u64 * self.layout.size_in_bytes();
+        let planes_in_bytes = self.planes.size_in_bytes() + self.regions.size_in_bytes();
+        PageMemory { host_in_bytes: pages_in_bytes + planes_in_bytes, textures_in_bytes: 0 }
     }
 }

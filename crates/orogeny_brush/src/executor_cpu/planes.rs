@@ -2,13 +2,10 @@
 
 use orogeny_field::{Plane, SampleRect};
 
-use super::steps::{Source, fill};
+use super::steps::{Source, fill, fill_through};
 use crate::execute::Watch;
-use crate::filter::{Graph, Step};
+use crate::filter::{Graph, Node, Step};
 use crate::{Error, Result};
-
-/// Memory of planes that is kept for the next graph.
-const MAX_POOLED: usize = 32;
 
 /// Works out graphs, and keeps the memory of their planes.
 #[derive(Debug, Default)]
@@ -32,17 +29,26 @@ impl Planes {
             if !watch(place as f64 / rects.len() as f64) {
                 return Err(Error::Interrupted);
             }
+            if graph.is_passing(place) {
+                planes.push(None);
+                continue;
+            }
             let mut plane = self.memory(*rect, node.step.num_channels());
             if graph.given_extent(place).is_some() {
                 plane = given(&node.step, plane)?;
             } else if !rect.is_empty() {
-                let sources: Vec<_> =
-                    node.inputs.iter().filter_map(|input| source(graph, &planes, *input)).collect();
-                threads.install(|| fill(&mut plane, &node.step, &sources, graph.extent()));
+                let sources = |node: &Node| -> Vec<_> {
+                    node.inputs.iter().filter_map(|input| source(graph, &planes, *input)).collect()
+                };
+                threads.install(|| match passing(graph, node) {
+                    Some((_, before)) => fill_through(&mut plane, &node.step, &before.step, &sources(before)),
+                    None => fill(&mut plane, &node.step, &sources(node), graph.extent()),
+                });
             }
             planes.push(Some(plane));
             // What no later plane is made of gives its memory back.
-            for input in graph.done_with(place) {
+            let before = passing(graph, node).map(|(place, _)| place);
+            for input in before.into_iter().chain([place]).flat_map(|place| graph.done_with(place)) {
                 if let Some(plane) = planes.get_mut(input).and_then(Option::take) {
                     self.give_back(plane);
                 }
@@ -53,14 +59,21 @@ impl Planes {
 
     /// Takes back the memory of a plane that is no longer needed.
     pub(super) fn give_back(&mut self, plane: Plane) {
-        if self.pool.len() < MAX_POOLED {
-            self.pool.push(plane);
+        self.pool.push(plane);
+    }
+
+    /// Gives up memory until at most so many bytes are kept for the next operation.
+    pub(super) fn shrink_to(&mut self, max_in_bytes: u64) {
+        // The largest are of use to planes of any size.
+        self.pool.sort_unstable_by_key(Plane::capacity);
+        while self.size_in_bytes() > max_in_bytes && !self.pool.is_empty() {
+            self.pool.remove(0);
         }
     }
 
-    /// Gives up the memory that is kept.
-    pub(super) fn clear(&mut self) {
-        self.pool.clear();
+    /// The memory that is kept.
+    pub(super) fn size_in_bytes(&self) -> u64 {
+        self.pool.iter().map(|plane| plane.capacity() as u64 * size_of::<f32>() as u64).sum()
     }
 
     /// A plane whose values are to be written.
@@ -75,6 +88,12 @@ impl Planes {
             None => Plane::with_channels(rect, num_channels, 0.0),
         }
     }
+}
+
+/// The plane of which a node is made that is never whole, and its place.
+fn passing<'a>(graph: &'a Graph, node: &Node) -> Option<(usize, &'a Node)> {
+    let place = *node.inputs.first().filter(|place| graph.is_passing(**place))?;
+    Some((place, graph.nodes().get(place)?))
 }
 
 fn source<'a>(graph: &Graph, planes: &'a [Option<Plane>], input: usize) -> Option<Source<'a>> {

@@ -12,6 +12,12 @@ use crate::filter::{Axis, MAX_INPUTS, PipesPhase, Step, ThermalPhase};
 
 /// Rows that a thread takes at once.
 const TASK_ROWS: usize = 8;
+/// Rows and columns of a piece that is filtered along both axes: what is between them stays in a core's second-level cache.
+const MIN_PIECE_ROWS: usize = 16;
+const MAX_PIECE_ROWS: usize = 128;
+/// Some odd times as many as a kernel works on at once: rows a power of two apart would fall onto the same few lines of the
+/// first-level cache.
+const PIECE_COLUMNS: usize = 320;
 
 /// A plane as a step reads it.
 #[derive(Clone, Copy)]
@@ -107,6 +113,41 @@ pub(super) fn fill(plane: &mut Plane, step: &Step, sources: &[Source<'_>], exten
     rows.par_iter_mut().enumerate().with_min_len(TASK_ROWS).for_each(|(row, targets)| {
         erode_row(targets, [rect.x0, rect.z0 + row as i32], step, sources, extent);
     });
+}
+
+/// Works out a plane along one axis, of what a step along the other, `before`, makes of its sources: piece by piece, so that
+/// what is between them never goes through memory.
+pub(super) fn fill_through(plane: &mut Plane, step: &Step, before: &Step, sources: &[Source<'_>]) {
+    let rect = plane.rect();
+    let width = rect.width() as usize;
+    let num_rows = (rect.depth() as usize).div_ceil(4 * rayon::current_num_threads());
+    // Rows about a piece are worked out for each of two: not more of them than the piece has.
+    let around = step.source_rect(&SampleRect::new(0, 0, 1, 1), 0).depth() as usize;
+    let num_rows = num_rows.clamp(MIN_PIECE_ROWS.max(around.min(MAX_PIECE_ROWS)), MAX_PIECE_ROWS);
+    plane.samples_mut().par_chunks_mut(width * num_rows).enumerate().for_each_init(
+        || (Plane::constant(SampleRect::EMPTY, 0.0), [const { Vec::new() }; MAX_INPUTS]),
+        |(memory, buffers), (number, band)| {
+            let z0 = rect.z0 + (number * num_rows) as i32;
+            let z1 = z0 + (band.len() / width) as i32;
+            for first in (0..width).step_by(PIECE_COLUMNS) {
+                let columns = first..width.min(first + PIECE_COLUMNS);
+                let [x0, x1] = [columns.start, columns.end].map(|column| rect.x0 + column as i32);
+                let between = step.source_rect(&SampleRect::new(x0, z0, x1, z1), 0);
+                let mut half =
+                    std::mem::replace(memory, Plane::constant(SampleRect::EMPTY, 0.0)).reused(between, 1);
+                for z in between.z0..between.z1 {
+                    let Some(row) = half.row_mut(z) else { continue };
+                    work_out_row(row, [between.x0, z], before, sources, &[], buffers);
+                }
+                let source = [Source { plane: &half, mirrored_in: None }];
+                for (z, row) in (z0..).zip(band.chunks_mut(width)) {
+                    let Some(row) = row.get_mut(columns.clone()) else { continue };
+                    work_out_row(row, [x0, z], step, &source, &[], buffers);
+                }
+                *memory = half;
+            }
+        },
+    );
 }
 
 /// Works out a row, in all channels, of a step of erosion, beyond whose terrain there is nothing.
@@ -284,4 +325,61 @@ fn expand_row<'b>(row: &'b mut Vec<f32>, coarser: &Source<'_>, [x, z]: [i32; 2],
     let source = coarser.part(z, coarse - 1, (phase + length).div_ceil(2) + 3);
     interpolate::row_along_x(row, source, &PYRAMID_PHASES, 0);
     row.get(phase..).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use orogeny_field::{gaussian_weights, hash};
+
+    /// More columns than a piece has, more rows too, and borders that lie in neither's middle.
+    const WIDTH: u32 = 2 * PIECE_COLUMNS as u32 + 77;
+    const DEPTH: u32 = 2 * MAX_PIECE_ROWS as u32 + 33;
+
+    fn filters() -> [[Step; 2]; 3] {
+        let convolve = |stride, sigma| {
+            let weights: std::sync::Arc<[f32]> = gaussian_weights(sigma).into();
+            [Axis::X, Axis::Z].map(|axis| Step::Convolve { axis, stride, weights: weights.clone() })
+        };
+        let expand = [Axis::Z, Axis::X].map(|axis| Step::Interpolate { axis, phases: PYRAMID_PHASES.into() });
+        [convolve(1, 2.5), convolve(2, 0.9), expand]
+    }
+
+    #[test]
+    fn pieces_filtered_along_both_axes_have_the_bits_of_whole_planes() {
+        let extent = [WIDTH, DEPTH];
+        let mut ground = Plane::constant(SampleRect::new(0, 0, WIDTH as i32, DEPTH as i32), 0.0);
+        for (place, height) in (0..).zip(ground.samples_mut()) {
+            *height = 900.0 * hash::uniform(place, 1, 2);
+        }
+        for [first, second] in filters() {
+            let is_coarser = matches!(&first, Step::Convolve { stride: 2, .. });
+            let target = if is_coarser {
+                SampleRect::new(-5, 3, PIECE_COLUMNS as i32 + 40, MAX_PIECE_ROWS as i32 + 9)
+            } else {
+                SampleRect::new(-9, 11, WIDTH as i32 - 30, DEPTH as i32 - 20)
+            };
+            let between = second.source_rect(&target, 0);
+            // What is read along z must be there; along x it is mirrored.
+            let needed = first.source_rect(&between, 0);
+            let mut source = Plane::constant(needed, 0.0);
+            for z in needed.z0..needed.z1 {
+                let from = ground.row(mirrored(z, DEPTH)).unwrap();
+                for (x, height) in (needed.x0..needed.x1).zip(source.row_mut(z).unwrap()) {
+                    *height = from[mirrored(x, WIDTH) as usize];
+                }
+            }
+            let sources = [Source { plane: &source, mirrored_in: None }];
+            let sentinel = |rect| Plane::constant(rect, f32::NAN);
+            let (mut half, mut whole, mut in_pieces) =
+                (sentinel(between), sentinel(target), sentinel(target));
+            fill(&mut half, &first, &sources, extent);
+            fill(&mut whole, &second, &[Source { plane: &half, mirrored_in: None }], extent);
+            fill_through(&mut in_pieces, &second, &first, &sources);
+            let bits =
+                |plane: &Plane| plane.samples().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+            assert!(bits(&whole) == bits(&in_pieces), "{first:?}");
+            assert!(whole.samples().iter().all(|value| value.is_finite()));
+        }
+    }
 }

@@ -118,11 +118,13 @@ impl GpuPlanes {
                 }),
                 size: [rect.width(), rect.depth()],
                 extent: graph.extent(),
-                phase: node.step.phase(),
-                padding: 0,
             };
             let [first, second, third, fourth] = bound.map(|(plane, _)| &plane.buffer);
-            let own = node.step.data(&rect, inputs.len());
+            let is_mirrored =
+                |(number, (_, extent)): (usize, &(_, Option<_>))| u32::from(extent.is_some()) << number;
+            let mirrored = bound.iter().enumerate().map(is_mirrored).sum();
+            let mut own = node.step.data(&rect, inputs.len());
+            own.constants.push(("MIRRORED_INPUTS", mirrored));
             dispatch(gpu, encoder, stem, &own, &uniform, [first, second, third, fourth, &plane.buffer])?;
         }
         if let Some(nothing) = nothing {

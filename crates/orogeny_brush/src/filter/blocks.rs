@@ -10,7 +10,7 @@ use crate::plan::PageWork;
 /// Samples a side after which a block is cut, unless the filter's halo asks for more.
 const BLOCK_SIDE: u32 = 1024;
 /// A block is so many times as long as the halo about it, if that is more.
-const HALOS_A_SIDE: u32 = 8;
+const HALOS_A_SIDE: u32 = 24;
 /// Values that a plane of a block has at most, if a page allows: WebGPU binds 128 MiB at once by default.
 const MAX_VALUES: u64 = 5632 * 5632;
 
@@ -90,7 +90,7 @@ mod tests {
             assert_eq!(found, expected);
             for Block { rect, pages } in &blocks {
                 let longest = rect.width().max(rect.depth());
-                assert!(longest <= 1024.max(8 * halo));
+                assert!(longest <= BLOCK_SIDE.max(HALOS_A_SIDE * halo));
                 assert!(graph.largest(*rect) <= MAX_VALUES);
                 assert!(pages.iter().all(|work| rect.contains(&work.rect)));
                 assert!(pages.is_sorted_by_key(|work| work.key));

@@ -20,6 +20,7 @@ pub struct Node {
     pub inputs: Vec<usize>,
     /// The last place that is made of it; its own, where none is.
     last_reader: usize,
+    num_readers: usize,
 }
 
 /// Planes, each after those that it is made of; the last is the result.
@@ -38,7 +39,12 @@ impl Graph {
     pub fn new(extent: [u32; 2]) -> Self {
         Self {
             extent,
-            nodes: vec![Node { step: Step::Heights, inputs: Vec::new(), last_reader: Self::HEIGHTS }],
+            nodes: vec![Node {
+                step: Step::Heights,
+                inputs: Vec::new(),
+                last_reader: Self::HEIGHTS,
+                num_readers: 0,
+            }],
         }
     }
 
@@ -49,9 +55,10 @@ impl Graph {
         for input in inputs {
             if let Some(input) = self.nodes.get_mut(*input) {
                 input.last_reader = place;
+                input.num_readers += 1;
             }
         }
-        self.nodes.push(Node { step, inputs: inputs.to_vec(), last_reader: place });
+        self.nodes.push(Node { step, inputs: inputs.to_vec(), last_reader: place, num_readers: 0 });
         place
     }
 
@@ -61,6 +68,18 @@ impl Graph {
         let is_done =
             move |input: &usize| self.nodes.get(*input).is_some_and(|node| node.last_reader == place);
         inputs.iter().copied().filter(is_done)
+    }
+
+    /// Whether a plane is one axis of a filter of which only the other axis is made: it need never be whole.
+    #[must_use]
+    pub fn is_passing(&self, place: usize) -> bool {
+        // What it is made of is kept until it is read, so it is read at once.
+        let is_passed_on = |node: &&Node| node.num_readers == 1 && node.last_reader == place + 1;
+        let Some(node) = self.nodes.get(place).filter(is_passed_on) else { return false };
+        let reader = self.nodes.get(node.last_reader).and_then(|reader| reader.step.filtered_axis());
+        // Planes that pass do not read others that do.
+        let reads_whole = node.inputs.iter().all(|input| !self.is_passing(*input));
+        reads_whole && node.step.filtered_axis().is_some_and(|axis| reader.is_some_and(|next| next != axis))
     }
 
     /// The planes, each after those that it is made of.

@@ -175,6 +175,11 @@ impl Regions {
         self.known.iter().find(|(known, _)| Arc::ptr_eq(known, kernel)).map(|(_, plane)| plane)
     }
 
+    /// The memory that they take.
+    pub(crate) fn size_in_bytes(&self) -> u64 {
+        self.known.iter().map(|(_, plane)| plane.capacity() as u64 * size_of::<f32>() as u64).sum()
+    }
+
     /// The operation is over.
     pub(crate) fn clear(&mut self) {
         self.known.clear();

@@ -175,8 +175,16 @@ impl Step {
         }
     }
 
+    /// Along which axis it filters its one input.
+    pub(super) const fn filtered_axis(&self) -> Option<Axis> {
+        match self {
+            Self::Convolve { axis, .. } | Self::Interpolate { axis, .. } => Some(*axis),
+            _ => None,
+        }
+    }
+
     /// What an input must have for it to make a rectangle.
-    pub(super) fn source_rect(&self, rect: &SampleRect, input: usize) -> SampleRect {
+    pub(crate) fn source_rect(&self, rect: &SampleRect, input: usize) -> SampleRect {
         let filtered = |first: i32, end: i32, stride: u32, weights: &[f32]| {
             let (stride, radius) = (stride.cast_signed(), weights.len() as i32);
             (first * stride - radius, (end - 1) * stride + radius + 1)

@@ -49,12 +49,19 @@ fn every_second(target: &mut [f32], source: &[f32], weights: &[f32]) {
     for (target, source) in
         target.chunks_mut(LANES).zip((0..).step_by(2 * LANES).map_while(|first| source.get(first..)))
     {
-        let (pairs, rest) = source.as_chunks::<2>();
-        let last = rest.first().map(|last| [*last, 0.0]);
-        for ((even, odd), [first, second]) in
-            even.iter_mut().zip(&mut odd).zip(pairs.iter().copied().chain(last))
-        {
-            (*even, *odd) = (first, second);
+        let mut num_apart = 0;
+        if let (Some(pairs), Some(even), Some(odd)) = (
+            source.as_chunks().0.first_chunk(),
+            even.first_chunk_mut::<LANES>(),
+            odd.first_chunk_mut::<LANES>(),
+        ) {
+            take_apart(pairs, even, odd);
+            num_apart = LANES;
+        }
+        let rest = source.chunks(2).zip(even.iter_mut().zip(&mut odd)).take(LANES + radius + 1);
+        for (pair, (even, odd)) in rest.skip(num_apart) {
+            (*even, *odd) =
+                (pair.first().copied().unwrap_or_default(), pair.get(1).copied().unwrap_or_default());
         }
         let part = |place: usize| {
             let samples = if place.is_multiple_of(2) { &even } else { &odd };
@@ -64,12 +71,24 @@ fn every_second(target: &mut [f32], source: &[f32], weights: &[f32]) {
     }
 }
 
+/// Written so that it becomes a few shuffles.
+#[inline(always)]
+fn take_apart(pairs: &[[f32; 2]; LANES], even: &mut [f32; LANES], odd: &mut [f32; LANES]) {
+    for ((even, odd), [first, second]) in even.iter_mut().zip(odd).zip(pairs) {
+        (*even, *odd) = (*first, *second);
+    }
+}
+
 /// One row, along z, from `2 weights.len() + 1` rows around its own, the northernmost first.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
 pub fn row_along_z(target: &mut [f32], rows: &[&[f32]], weights: &[f32]) {
     let mut first = 0;
     for target in target.chunks_mut(LANES) {
-        let part = |place: usize| rows.get(place).and_then(|row| row.get(first..)).unwrap_or_default();
+        // A closure within this one would not be inlined, and the sums would leave their registers for its sake.
+        let part = |place: usize| match rows.get(place) {
+            Some(row) => row.get(first..).unwrap_or_default(),
+            None => &[],
+        };
         sum(target, weights, part, weights.len());
         first += LANES;
     }

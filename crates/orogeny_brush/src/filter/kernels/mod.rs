@@ -32,10 +32,6 @@ pub struct StepUniform {
     pub size: [u32; 2],
     /// Samples of the terrain along x and z.
     pub extent: [u32; 2],
-    /// Which part of an iteration it is, of a simulation.
-    pub phase: u32,
-    /// Nothing.
-    pub padding: u32,
 }
 
 /// A plane that is read. The layout is that of `Input` in `shaders/driver/plane.wgsl`.
@@ -85,15 +81,6 @@ impl Step {
         }
     }
 
-    /// Which part of an iteration it is, of a simulation; else 0.
-    pub(crate) const fn phase(&self) -> u32 {
-        match self {
-            Self::Thermal { phase, .. } => *phase as u32,
-            Self::Pipes { phase, .. } => *phase as u32,
-            _ => 0,
-        }
-    }
-
     /// What its kernel is given beside `num_inputs` planes, to make a rectangle.
     pub(crate) fn data(&self, rect: &SampleRect, num_inputs: usize) -> OwnData {
         match self {
@@ -115,10 +102,10 @@ impl Step {
             Self::Sharpen { gain } => sharpen::data(*gain),
             Self::Shift { cell, fraction } => shift::data(*cell, *fraction),
             Self::Thermal { phase, kernel } => {
-                thermal::data(kernel, *phase == ThermalPhase::Shares && num_inputs > 1)
+                thermal::data(kernel, *phase, *phase == ThermalPhase::Shares && num_inputs > 1)
             }
             Self::Pipes { phase, kernel } => {
-                pipes::data(kernel, *phase == PipesPhase::Ground && num_inputs > 2)
+                pipes::data(kernel, *phase, *phase == PipesPhase::Ground && num_inputs > 2)
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use orogeny_field::{ThermalKernel, ThermalLayer};
 
+use crate::filter::ThermalPhase;
 use crate::kernels::OwnData;
 
 /// The shader's stem.
@@ -15,10 +16,11 @@ pub struct ThermalUniform {
     pub num_layers: u32,
 }
 
-pub(super) fn data(kernel: &ThermalKernel, has_hardness: bool) -> OwnData {
+pub(super) fn data(kernel: &ThermalKernel, phase: ThermalPhase, has_hardness: bool) -> OwnData {
     let layers: Vec<ThermalLayer> = kernel.layers().copied().collect();
     let uniform = ThermalUniform { num_layers: kernel.num_layers };
-    let mut data = OwnData::uniform(&uniform).with_constants(&[("HAS_HARDNESS", u32::from(has_hardness))]);
+    let constants = [("PHASE", phase as u32), ("HAS_HARDNESS", u32::from(has_hardness))];
+    let mut data = OwnData::uniform(&uniform).with_constants(&constants);
     data.storage = vec![bytemuck::cast_slice(&layers).to_vec()];
     data
 }

@@ -1,0 +1,38 @@
+//! GeoMipMapping: which tiles of a terrain are drawn, and how finely; where a ray meets the ground.
+//!
+//! After de Boer, "Fast Terrain Rendering Using Geometrical MipMapping" (2000), over the levels of a plane
+//! ([`orogeny_field::level`](orogeny_field)): a tile that is drawn coarsely reads a coarse level, so distant ground needs neither its full
+//! resolution nor its vertices. Nothing here knows of pages, files or a GPU.
+//!
+//! # How finely: one number a tile
+//!
+//! A tile's *detail* is a level with a fraction: 2.25 is the surface of level 2, a quarter of the way to that of level 3. It follows from
+//! the camera without a jump ([`DetailRule`]). A vertex of the surface of detail `k + f` that level `k + 1` has too is `f` of the way from its height
+//! on the one to that on the other; any other is `f` of the way to the vertex at half its coordinates, rounded down. So all that
+//! go when `f` reaches 1 then lie on one that stays, and nothing pops ([`DrawnTile::vertex_m`]).
+//!
+//! # No cracks: one rule
+//!
+//! A vertex on a tile's rim has the coarsest detail of all tiles that touch it there. The tiles then have the same vertices
+//! along the rim, whatever their details: the finer tile's further ones fall together with their neighbours, and the
+//! triangles between them have no area.
+//!
+//! # Axes
+//!
+//! x to the east, z to the south, y up, metres; sample `(0, 0)` is the origin. Right-handed.
+
+mod camera;
+mod culling;
+mod detail;
+mod lattice;
+mod picking;
+mod selection;
+mod tile;
+
+pub use camera::{Camera, MIN_NEAR_M};
+pub use culling::{Bounds, Frustum};
+pub use detail::{DetailRule, MIN_ERROR_GROWTH, Metric, Relief};
+pub use lattice::{DrawnTile, RIM_PARTS, indices};
+pub use picking::{Ground, Ray, pick};
+pub use selection::{select, with_rims};
+pub use tile::{MAX_COARSENING, TILE_CELLS, Tile};
