@@ -47,17 +47,16 @@ impl DrawnTile {
         grid: &TerrainGrid,
         height_m: &H,
     ) -> DVec3 {
-        let border = self.border(grid);
-        let place = [0, 1].map(|axis| place[axis].min(border[axis]));
+        let ([x, z], [border_x, border_z]) = (place, self.border(grid));
+        let (x, z) = (x.min(border_x), z.min(border_z));
+        let place = [x, z];
         let detail = self.detail_at(place);
         let coarsening = coarsening(self.tile, detail);
         // What is at the terrain's border stays there.
-        let rounded = |coarsening: u8| {
-            [0, 1].map(|axis| {
-                let place = place[axis];
-                if place == border[axis] { place } else { (place >> coarsening) << coarsening }
-            })
+        let along = |place: u32, border: u32, coarsening: u8| {
+            if place == border { place } else { (place >> coarsening) << coarsening }
         };
+        let rounded = |coarsening: u8| [along(x, border_x, coarsening), along(z, border_z, coarsening)];
         let finer = rounded(coarsening);
         if finer != place {
             // It has fallen together with another one.
@@ -92,15 +91,13 @@ impl DrawnTile {
         grid: &TerrainGrid,
         height_m: &impl Fn(u8, [u32; 2]) -> f32,
     ) -> DVec3 {
-        let last = grid.bounds_at(level);
-        let first = [self.tile.x, self.tile.z].map(|tile| tile * TILE_CELLS);
-        let ([x, z], [x_m, z_m]) = {
-            let full = [0, 1].map(|axis| (first[axis] + place[axis]) << self.tile.level);
-            let num = [(grid.width(), last.x1), (grid.depth(), last.z1)];
-            let sample = [0, 1].map(|axis| (full[axis] >> level).min(num[axis].1.abs_diff(1)));
-            let metres = [0, 1].map(|axis| f64::from(full[axis].min(num[axis].0 - 1)) * grid.spacing_m());
-            (sample, metres)
+        let ([x, z], last) = (place, grid.bounds_at(level));
+        let along = |tile: u32, place: u32, num: u32, end: i32| {
+            let full = (tile * TILE_CELLS + place) << self.tile.level;
+            ((full >> level).min(end.abs_diff(1)), f64::from(full.min(num - 1)) * grid.spacing_m())
         };
+        let (x, x_m) = along(self.tile.x, x, grid.width(), last.x1);
+        let (z, z_m) = along(self.tile.z, z, grid.depth(), last.z1);
         DVec3::new(x_m, f64::from(height_m(level, [x, z])), z_m)
     }
 

@@ -1,5 +1,11 @@
 //! Picking beside a plain march along the ray, far from the origin.
 
+#![expect(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "helpers of tests, which clippy does not take for tests"
+)]
+
 use glam::DVec3;
 use orogeny_field::{HeightBounds, TerrainGrid, hash};
 use orogeny_geomip::{Ground, Ray, Tile, pick};

@@ -1,5 +1,12 @@
 //! The triangulation: no cracks, all covered once, as many triangles as said, and no jump as the camera moves.
 
+#![expect(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    reason = "helpers of tests, which clippy does not take for tests"
+)]
+
 mod common;
 
 use std::collections::{HashMap, HashSet};
