@@ -118,7 +118,7 @@ fn mirrors() -> Vec<Mirror> {
         mirror!("Band", BandUniform { factor }),
         mirror!("Grab", GrabUniform { num_drags, num_steps, inverse_num_steps }),
         mirror!("Drag", Drag { cell, fraction, way, inverse_radius, padding }),
-        mirror!("Convolve", ConvolveUniform { stride, num_weights }),
+        mirror!("Convolve", ConvolveUniform { stride }),
         mirror!("Interpolate", InterpolateUniform { num_phases }),
         mirror!("PhaseWeights", PhaseWeights { before, next, after_next }),
         mirror!("Sharpen", SharpenUniform { gain }),

@@ -12,13 +12,12 @@ pub const STEM: &str = "field/convolve";
 pub struct ConvolveUniform {
     /// Samples from centre to centre.
     pub stride: i32,
-    /// Neighbours on each side.
-    pub num_weights: u32,
 }
 
 pub(super) fn data(axis: Axis, stride: u32, weights: &[f32]) -> OwnData {
-    let uniform = ConvolveUniform { stride: stride.cast_signed(), num_weights: weights.len() as u32 };
-    let mut data = OwnData::uniform(&uniform).with_constants(&[axis_constant(axis)]);
+    let uniform = ConvolveUniform { stride: stride.cast_signed() };
+    let constants = [axis_constant(axis), ("NUM_WEIGHTS", weights.len() as u32)];
+    let mut data = OwnData::uniform(&uniform).with_constants(&constants);
     data.storage = vec![bytemuck::cast_slice(weights).to_vec()];
     data
 }
