@@ -1,11 +1,12 @@
 //! Fills through the GPU back end beside the same through the CPU back end, on whatever adapter there is.
 //!
 //! The limit is what the adapter makes of a bare stencil: a back end that loses no more against the CPU than such a kernel, which
-//! has nothing of the engine about it, loses against a plain loop is at 100 %.
+//! has nothing of the engine about it and reads as many values at once, loses against a plain loop is at 100 %.
 
 use std::hint::black_box;
 
 use anyhow::Result;
+use multiversion::multiversion;
 use orogeny_field::Brush;
 use orogeny_gpu::{AdapterChoice, Gpu};
 use rayon::prelude::*;
@@ -18,6 +19,8 @@ use crate::report::{Figure, Report};
 const SIDE: usize = 2048;
 const ITERATIONS: usize = 10;
 const NUM_SAMPLES: f64 = (SIDE * SIDE * ITERATIONS) as f64;
+/// Of stencils along a row: of 5 values, as a level of a pyramid and a step of erosion have about, and of 23, as a Gaussian has.
+const RADII: [usize; 2] = [2, 11];
 const WORKGROUP_SIDE: u32 = 16;
 
 /// What is filled.
@@ -30,6 +33,8 @@ pub struct Case<'a> {
     pub spacing_m: f64,
     /// How often each sample is worked on.
     pub iterations: u32,
+    /// One of [`RADII`]: that of the stencil which reads about as many values.
+    pub stencil_radius: usize,
 }
 
 pub fn run(report: &mut Report, repeat: usize, cases: &[Case<'_>]) -> Result<()> {
@@ -42,9 +47,14 @@ pub fn run(report: &mut Report, repeat: usize, cases: &[Case<'_>]) -> Result<()>
     };
     let adapter = gpu.description().name.clone();
     let num_threads = rayon::current_num_threads();
-    let stencil = Stencil::new(&gpu)?;
-    let mut plain = PlainStencil::new();
-    let (mut on_adapter, mut on_cpu) = (Times::default(), Times::default());
+    let mut stencils = Vec::new();
+    for radius in RADII.into_iter().filter(|radius| cases.iter().any(|case| case.stencil_radius == *radius)) {
+        stencils.push((
+            Stencil::new(&gpu, radius)?,
+            PlainStencil::new(radius),
+            [Times::default(), Times::default()],
+        ));
+    }
     let mut fills = Vec::new();
     for Case { brush, ground, side, spacing_m, .. } in cases {
         let cpu = Fill::new(num_threads, *side, *spacing_m, Some(ground), brush)?;
@@ -52,19 +62,24 @@ pub fn run(report: &mut Report, repeat: usize, cases: &[Case<'_>]) -> Result<()>
         fills.push([(cpu, Times::default()), (there, Times::default())]);
     }
     for _ in 0..repeat {
-        on_adapter.measure(|| stencil.run())?;
-        on_cpu.measure(|| plain.run());
+        for (stencil, plain, [there, cpu]) in &mut stencils {
+            there.measure(|| stencil.run())?;
+            cpu.measure(|| plain.run());
+        }
         for (fill, times) in fills.iter_mut().flatten() {
             fill.measure(times)?;
         }
     }
-    let plain_per_s = NUM_SAMPLES / on_cpu.median_s();
-    let ratio = on_cpu.median_s() / on_adapter.median_s();
-    report.add(Figure::rate(format!("bare stencil, CPU {num_threads} threads"), &on_cpu, NUM_SAMPLES, None));
-    let name = format!("bare stencil, {adapter}");
-    report.add(Figure::rate(name, &on_adapter, NUM_SAMPLES, Some(plain_per_s * 8.0)));
+    for (stencil, _, [there, cpu]) in &stencils {
+        let name = format!("bare stencil of {}", 2 * stencil.radius + 1);
+        report.add(Figure::rate(format!("{name}, CPU {num_threads} threads"), cpu, NUM_SAMPLES, None));
+        let limit = NUM_SAMPLES / cpu.median_s();
+        report.add(Figure::rate(format!("{name}, {adapter}"), there, NUM_SAMPLES, Some(limit * 8.0)));
+    }
     for (case, [(_, cpu), (_, there)]) in cases.iter().zip(&fills) {
         let num = (case.side * case.side) as f64 * f64::from(case.iterations);
+        let ratio = stencils.iter().find(|(stencil, ..)| stencil.radius == case.stencil_radius);
+        let ratio = ratio.map_or(f64::NAN, |(.., [there, cpu])| cpu.median_s() / there.median_s());
         let limit = num / cpu.median_s() * ratio;
         report.add(Figure::rate(format!("{}, {adapter}", case.name), there, num, Some(limit * 8.0)));
     }
@@ -73,16 +88,17 @@ pub fn run(report: &mut Report, repeat: usize, cases: &[Case<'_>]) -> Result<()>
 
 /// Iterations of the stencil on a device.
 struct Stencil {
+    radius: usize,
     gpu: Gpu,
     pipeline: wgpu::ComputePipeline,
     groups: [wgpu::BindGroup; 2],
 }
 
 impl Stencil {
-    fn new(gpu: &Gpu) -> Result<Self> {
+    fn new(gpu: &Gpu, radius: usize) -> Result<Self> {
         let device = gpu.device();
         let module = device.create_shader_module(wgpu::include_wgsl!("stencil.wgsl"));
-        let constants = [("side", SIDE as f64)];
+        let constants = [("side", SIDE as f64), ("radius", radius as f64)];
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("benchsuite.stencil"),
             layout: None,
@@ -114,7 +130,7 @@ impl Stencil {
             })
         });
         gpu.check()?;
-        Ok(Self { gpu: gpu.clone(), pipeline, groups })
+        Ok(Self { radius, gpu: gpu.clone(), pipeline, groups })
     }
 
     fn run(&self) -> Result<()> {
@@ -132,46 +148,49 @@ impl Stencil {
     }
 }
 
-/// The same as a plain loop over rows, on all cores.
+/// The same as a plain loop over rows, on all cores, with the instructions that the CPU back end has.
 struct PlainStencil {
     fields: [Vec<f32>; 2],
+    radius: usize,
 }
 
 impl PlainStencil {
-    fn new() -> Self {
-        Self { fields: [vec![1.0; SIDE * SIDE], vec![0.0; SIDE * SIDE]] }
+    fn new(radius: usize) -> Self {
+        Self { fields: [vec![1.0; SIDE * SIDE], vec![0.0; SIDE * SIDE]], radius }
     }
 
     fn run(&mut self) {
-        let [source, result] = &mut self.fields;
+        let Self { fields: [source, result], radius } = self;
         for _ in 0..ITERATIONS {
-            result.par_chunks_mut(SIDE).enumerate().with_min_len(8).for_each(|(z, result)| {
-                let row = |z: usize| source.get(z * SIDE..(z + 1) * SIDE).unwrap_or_default();
-                let rows = [row(z.saturating_sub(1)), row(z), row((z + 1).min(SIDE - 1))];
-                stencil_row(result, rows);
-            });
+            let rows = source.par_chunks(SIDE).zip(result.par_chunks_mut(SIDE)).with_min_len(8);
+            rows.for_each(|(source, result)| stencil_row(result, source, *radius));
             std::mem::swap(source, result);
         }
         black_box(&self.fields);
     }
 }
 
-fn stencil_row(result: &mut [f32], [north, row, south]: [&[f32]; 3]) {
-    let value = |here: f32, [west, east, north, south]: [f32; 4]| {
-        here + 0.2 * ((west - here) + (east - here) + (north - here) + (south - here))
-    };
-    let inner = row.windows(3).zip(north.iter().zip(south).skip(1));
-    for (result, (around, (north, south))) in result.iter_mut().skip(1).zip(inner) {
-        if let [west, here, east] = around {
-            *result = value(*here, [*west, *east, *north, *south]);
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
+fn stencil_row(result: &mut [f32], source: &[f32], radius: usize) {
+    const LANES: usize = 64;
+    let weight = 1.0 / (2 * radius + 1) as f32;
+    let Some(inner) = result.get_mut(radius..SIDE - radius) else { return };
+    for (number, result) in inner.chunks_mut(LANES).enumerate() {
+        let mut sums = [0.0; LANES];
+        for place in 0..=2 * radius {
+            let Some(source) = source.get(number * LANES + place..) else { return };
+            if let Some(source) = source.first_chunk::<LANES>() {
+                for (sum, value) in sums.iter_mut().zip(source) {
+                    *sum += value;
+                }
+            } else {
+                for (sum, value) in sums.iter_mut().zip(source) {
+                    *sum += value;
+                }
+            }
         }
-    }
-    // The ends, whose neighbour beyond the border is they themselves.
-    for (place, beside) in [(0, 1), (SIDE - 1, SIDE - 2)] {
-        let at = |row: &[f32], place: usize| row.get(place).copied().unwrap_or_default();
-        if let Some(result) = result.get_mut(place) {
-            *result =
-                value(at(row, place), [at(row, beside), at(row, place), at(north, place), at(south, place)]);
+        for (result, sum) in result.iter_mut().zip(sums) {
+            *result = weight * sum;
         }
     }
 }

@@ -53,6 +53,7 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
         side: ADAPTER_SIDE,
         spacing_m: 4.0,
         iterations,
+        stencil_radius: 2,
     };
     adapter::run(report, repeat, &[thermal, fluvial].map(case))
 }

@@ -56,6 +56,8 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
         side: ADAPTER_SIDE,
         spacing_m: 1.0,
         iterations: 1,
+        // Up to 4 samples it is a filter of that many, further on a pyramid.
+        stencil_radius: if sigma < 4.0 { 11 } else { 2 },
     };
     adapter::run(report, repeat, &SIGMAS.map(case))
 }
