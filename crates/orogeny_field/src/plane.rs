@@ -78,6 +78,12 @@ impl Plane {
         self.memory.len()
     }
 
+    /// Bytes that its memory takes.
+    #[must_use]
+    pub fn size_in_bytes(&self) -> u64 {
+        self.capacity() as u64 * size_of::<f32>() as u64
+    }
+
     /// Row `z` of the first channel, `z` on the grid; `None` where the plane does not have it.
     #[must_use]
     pub fn row(&self, z: i32) -> Option<&[f32]> {

@@ -51,12 +51,6 @@ impl Camera {
         self.eye_m
     }
 
-    /// Where it looks, of length 1.
-    #[must_use]
-    pub fn forward(&self) -> DVec3 {
-        -self.world_from_view.z_axis
-    }
-
     /// Right, up and backward, each of length 1.
     #[must_use]
     pub const fn axes(&self) -> [DVec3; 3] {

@@ -31,7 +31,7 @@ impl Bounds {
         let [width, depth] = [grid.width() - 1, grid.depth() - 1];
         let side = tile.side();
         let first = first.map(|first| first.saturating_sub(side));
-        // At most 2^27 samples from the origin.
+        // At most 2^21 samples from the origin.
         let last = [width.min(last[0] + side), depth.min(last[1] + side)];
         Some(Self::of_samples([first, last], heights, grid.spacing_m()))
     }
@@ -43,13 +43,13 @@ impl Bounds {
     }
 }
 
-/// The four planes between which a picture lies, through the eye; infinitely far reversed depth has no far plane.
+/// The planes through the eye between which a picture lies: its four sides, and what is before the eye; with infinitely far reversed
+/// depth there is no far plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frustum {
     eye_m: DVec3,
     /// Pointing inwards.
-    normals: [DVec3; 4],
-    forward: DVec3,
+    normals: [DVec3; 5],
 }
 
 impl Frustum {
@@ -60,15 +60,15 @@ impl Frustum {
         let [right, up, backward] = camera.axes();
         let sides = [(right, half_width), (-right, half_width), (up, half_height), (-up, half_height)];
         // Inside, what is before the eye outweighs what is beside it.
-        let normals = sides.map(|(side, half)| side - backward * half);
-        Self { eye_m: camera.eye_m(), normals, forward: -backward }
+        let [west, east, south, north] = sides.map(|(side, half)| side - backward * half);
+        Self { eye_m: camera.eye_m(), normals: [west, east, south, north, -backward] }
     }
 
     /// Whether a box may be seen; a few that lie beside two planes are said to be.
     #[must_use]
     pub fn may_show(&self, bounds: &Bounds) -> bool {
         let (min, max) = (bounds.min_m - self.eye_m, bounds.max_m - self.eye_m);
-        self.normals.iter().chain([&self.forward]).all(|normal| {
+        self.normals.iter().all(|normal| {
             let furthest = DVec3::select(normal.cmpge(DVec3::ZERO), max, min);
             normal.dot(furthest) >= 0.0
         })

@@ -78,35 +78,35 @@ impl DetailRule {
         let accepted_m = self.max_error_px.max(MIN_ERROR_PX) * distance_m / camera.pixels_at_one_metre();
         let max_coarsening = MAX_COARSENING.min(top - tile.level);
         let coarsest = own + f64::from(max_coarsening);
+        let finest = if tile.level == 0 { 0.0 } else { own - 1.0 };
         if accepted_m <= 0.0 {
             // Nothing is fine enough where the eye is.
-            return Some(if tile.level == 0 { 0.0 } else { own - 1.0 });
+            return Some(finest);
         }
         let wanted = match self.metric {
             Metric::FromAbove => (accepted_m / grid.spacing_m()).log2(),
             Metric::Roughness => {
                 let error_m = |coarsening: u8| f64::from(relief.ring_error_m(tile, tile.level + coarsening));
-                let first = error_m(0);
-                if first > accepted_m {
-                    // Errors about double from level to level.
-                    own - (first / accepted_m).log2()
-                } else {
-                    let mut finer = first;
-                    let mut wanted = coarsest;
-                    for coarsening in 1..=max_coarsening {
-                        let coarser = error_m(coarsening);
-                        if coarser > accepted_m {
-                            wanted =
-                                own + f64::from(coarsening - 1) + (accepted_m - finer) / (coarser - finer);
-                            break;
-                        }
-                        finer = coarser;
-                    }
-                    wanted
-                }
+                own + coarsening_by_roughness(accepted_m, max_coarsening, error_m)
             }
         };
-        let finest = if tile.level == 0 { 0.0 } else { own - 1.0 };
         Some(wanted.clamp(finest, coarsest))
     }
+}
+
+/// By how many levels a tile may be coarser than its own; negative, where its own is too coarse.
+fn coarsening_by_roughness(accepted_m: f64, max_coarsening: u8, error_m: impl Fn(u8) -> f64) -> f64 {
+    let mut finer = error_m(0);
+    if finer > accepted_m {
+        // Errors about double from level to level.
+        return -(finer / accepted_m).log2();
+    }
+    for coarsening in 1..=max_coarsening {
+        let coarser = error_m(coarsening);
+        if coarser > accepted_m {
+            return f64::from(coarsening - 1) + (accepted_m - finer) / (coarser - finer);
+        }
+        finer = coarser;
+    }
+    f64::from(max_coarsening)
 }

@@ -31,11 +31,10 @@ pub fn pick(ray: &Ray, grid: &TerrainGrid, ground: &impl Ground) -> Option<f64> 
     if !ray.origin_m.is_finite() || !ray.direction.is_finite() || ray.direction == DVec3::ZERO {
         return None;
     }
-    let root = Tile::root(grid);
     let mut before = None;
     // Nearest last, so that it is taken first.
-    let mut open: Vec<_> = Some(root).and_then(|tile| entry(ray, tile, grid, ground)).into_iter().collect();
-    while let Some(Candidate { tile, range, .. }) = open.pop() {
+    let mut open: Vec<_> = entry(ray, Tile::root(grid), grid, ground).into_iter().collect();
+    while let Some(Candidate { tile, range }) = open.pop() {
         if tile.level == 0 {
             // Tiles have no common inside: the first that is met is the nearest.
             if let Some(distance_m) = pick_in_tile(ray, tile, range, &mut before, grid, ground) {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use orogeny_field::TerrainGrid;
 
-use crate::{Camera, DetailRule, DrawnTile, MAX_COARSENING, RIM_PARTS, Relief, Tile};
+use crate::{Camera, DetailRule, DrawnTile, RIM_PARTS, Relief, Tile};
 
 /// How fast a tile may become coarser than its parent was, once that has been taken apart: in levels, for each level that the parent
 /// is finer than its own. By 3/4 of a level on, a tile may be as coarse as it wants.
@@ -30,8 +30,7 @@ pub fn select(
             let coarsest = own + CHILD_GAIN * (own - wanted);
             open.extend(tile.children().map(|child| (child, coarsest)));
         } else {
-            let detail = wanted.min(coarsest).min(own + f64::from(MAX_COARSENING));
-            leaves.push((tile, detail as f32));
+            leaves.push((tile, wanted.min(coarsest) as f32));
         }
     }
     with_rims(leaves)

@@ -33,6 +33,7 @@ impl Planes {
                 planes.push(None);
                 continue;
             }
+            let passing = passing(graph, node);
             let mut plane = self.memory(*rect, node.step.num_channels());
             if graph.given_extent(place).is_some() {
                 plane = given(&node.step, plane)?;
@@ -40,15 +41,19 @@ impl Planes {
                 let sources = |node: &Node| -> Vec<_> {
                     node.inputs.iter().filter_map(|input| source(graph, &planes, *input)).collect()
                 };
-                threads.install(|| match passing(graph, node) {
+                threads.install(|| match passing {
                     Some((_, before)) => fill_through(&mut plane, &node.step, &before.step, &sources(before)),
                     None => fill(&mut plane, &node.step, &sources(node), graph.extent()),
                 });
             }
             planes.push(Some(plane));
             // What no later plane is made of gives its memory back.
-            let before = passing(graph, node).map(|(place, _)| place);
-            for input in before.into_iter().chain([place]).flat_map(|place| graph.done_with(place)) {
+            for input in passing
+                .map(|(place, _)| place)
+                .into_iter()
+                .chain([place])
+                .flat_map(|place| graph.done_with(place))
+            {
                 if let Some(plane) = planes.get_mut(input).and_then(Option::take) {
                     self.give_back(plane);
                 }
@@ -65,15 +70,17 @@ impl Planes {
     /// Gives up memory until at most so many bytes are kept for the next operation.
     pub(super) fn shrink_to(&mut self, max_in_bytes: u64) {
         // The largest are of use to planes of any size.
-        self.pool.sort_unstable_by_key(Plane::capacity);
-        while self.size_in_bytes() > max_in_bytes && !self.pool.is_empty() {
-            self.pool.remove(0);
-        }
+        self.pool.sort_unstable_by_key(|plane| std::cmp::Reverse(plane.capacity()));
+        let mut kept_in_bytes = 0;
+        self.pool.retain(|plane| {
+            kept_in_bytes += plane.size_in_bytes();
+            kept_in_bytes <= max_in_bytes
+        });
     }
 
     /// The memory that is kept.
     pub(super) fn size_in_bytes(&self) -> u64 {
-        self.pool.iter().map(|plane| plane.capacity() as u64 * size_of::<f32>() as u64).sum()
+        self.pool.iter().map(Plane::size_in_bytes).sum()
     }
 
     /// A plane whose values are to be written.

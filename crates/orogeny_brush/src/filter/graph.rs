@@ -76,10 +76,10 @@ impl Graph {
         // What it is made of is kept until it is read, so it is read at once.
         let is_passed_on = |node: &&Node| node.num_readers == 1 && node.last_reader == place + 1;
         let Some(node) = self.nodes.get(place).filter(is_passed_on) else { return false };
-        let reader = self.nodes.get(node.last_reader).and_then(|reader| reader.step.filtered_axis());
+        let next = self.nodes.get(node.last_reader).and_then(|reader| reader.step.filtered_axis());
+        let (Some(axis), Some(next)) = (node.step.filtered_axis(), next) else { return false };
         // Planes that pass do not read others that do.
-        let reads_whole = node.inputs.iter().all(|input| !self.is_passing(*input));
-        reads_whole && node.step.filtered_axis().is_some_and(|axis| reader.is_some_and(|next| next != axis))
+        axis != next && node.inputs.iter().all(|input| !self.is_passing(*input))
     }
 
     /// The planes, each after those that it is made of.

@@ -177,7 +177,7 @@ impl Regions {
 
     /// The memory that they take.
     pub(crate) fn size_in_bytes(&self) -> u64 {
-        self.known.iter().map(|(_, plane)| plane.capacity() as u64 * size_of::<f32>() as u64).sum()
+        self.known.iter().map(|(_, plane)| plane.size_in_bytes()).sum()
     }
 
     /// The operation is over.
