@@ -17,6 +17,8 @@ pub(crate) struct Content {
     /// The entry whose state it holds.
     pub(crate) revision: EntryId,
     pub(crate) bounds: HeightBounds,
+    /// As [`crate::rows::PageInfo::error_m`].
+    pub(crate) error_m: f32,
     pub(crate) page: Arc<Page>,
 }
 
@@ -93,6 +95,7 @@ mod tests {
         let content = |height_m: f32| Content {
             revision: EntryId(1),
             bounds: HeightBounds::of(height_m),
+            error_m: 0.0,
             page: Arc::new(Page::constant(layout, height_m)),
         };
         let key = |x: u32| PageKey::full_resolution(FieldId(1), x, 0);

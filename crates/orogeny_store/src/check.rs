@@ -139,6 +139,7 @@ impl Store {
                     content::changed_rect(plane.layout, key, expected.page.samples(), found.page.samples());
                 rect == SampleRect::EMPTY
                     && expected.bounds == found.bounds
+                    && expected.error_m == found.error_m
                     && expected.revision == found.revision
             }
             _ => false,

@@ -1,8 +1,9 @@
 //! Checksums of rows: 128 bits of blake3 over what a row says, where it stands and which generation it is.
 
-use orogeny_field::{HeightBounds, PageKey};
+use orogeny_field::PageKey;
 
 use crate::EntryId;
+use crate::rows::PageInfo;
 
 /// What a row's `checksum` column holds.
 pub(crate) type Checksum = [u8; 16];
@@ -49,21 +50,18 @@ impl RowHasher {
 }
 
 /// Of a page's coded bytes, with its place and generation: a page of another place or time does not pass.
-pub(crate) fn of_page(
-    key: &PageKey,
-    revision: EntryId,
-    bounds: &HeightBounds,
-    codec: u8,
-    bytes: &[u8],
-) -> Checksum {
-    RowHasher::new("page")
+///
+/// An error of 0, as every page of full resolution has, is left out: so pages of version 2 keep the checksums that they have.
+pub(crate) fn of_page(key: &PageKey, info: &PageInfo, codec: u8, bytes: &[u8]) -> Checksum {
+    let PageInfo { revision, bounds, error_m } = info;
+    let row = RowHasher::new("page")
         .place(key)
         .number(revision.0.into())
         .number(bounds.min_m.to_bits().into())
         .number(bounds.max_m.to_bits().into())
         .number(codec.into())
-        .bytes(bytes)
-        .finish()
+        .bytes(bytes);
+    if *error_m == 0.0 { row.finish() } else { row.number(error_m.to_bits().into()).finish() }
 }
 
 /// Of a delta's coded bytes, with the entry and the page it belongs to.
@@ -85,30 +83,33 @@ pub(crate) fn of_delta(
 
 #[cfg(test)]
 mod tests {
-    use orogeny_field::FieldId;
+    use orogeny_field::{FieldId, HeightBounds};
 
     use super::*;
 
     #[test]
     fn place_generation_and_content_all_count() {
         let key = PageKey { field: FieldId(1), level: 2, z: 3, x: 4 };
-        let flat = HeightBounds::of(6.0);
-        let plain = of_page(&key, EntryId(5), &flat, 1, b"bytes");
+        let info = PageInfo { revision: EntryId(5), bounds: HeightBounds::of(6.0), error_m: 0.0 };
+        let (lower, higher) =
+            (HeightBounds { min_m: 5.0, ..info.bounds }, HeightBounds { max_m: 7.0, ..info.bounds });
+        let plain = of_page(&key, &info, 1, b"bytes");
         let others = [
-            of_page(&PageKey { field: FieldId(2), ..key }, EntryId(5), &flat, 1, b"bytes"),
-            of_page(&PageKey { level: 3, ..key }, EntryId(5), &flat, 1, b"bytes"),
-            of_page(&PageKey { z: 4, x: 3, ..key }, EntryId(5), &flat, 1, b"bytes"),
-            of_page(&key, EntryId(6), &flat, 1, b"bytes"),
-            of_page(&key, EntryId(5), &HeightBounds { min_m: 5.0, ..flat }, 1, b"bytes"),
-            of_page(&key, EntryId(5), &HeightBounds { max_m: 7.0, ..flat }, 1, b"bytes"),
-            of_page(&key, EntryId(5), &flat, 2, b"bytes"),
-            of_page(&key, EntryId(5), &flat, 1, b"byteS"),
+            of_page(&PageKey { field: FieldId(2), ..key }, &info, 1, b"bytes"),
+            of_page(&PageKey { level: 3, ..key }, &info, 1, b"bytes"),
+            of_page(&PageKey { z: 4, x: 3, ..key }, &info, 1, b"bytes"),
+            of_page(&key, &PageInfo { revision: EntryId(6), ..info }, 1, b"bytes"),
+            of_page(&key, &PageInfo { bounds: lower, ..info }, 1, b"bytes"),
+            of_page(&key, &PageInfo { bounds: higher, ..info }, 1, b"bytes"),
+            of_page(&key, &PageInfo { error_m: 0.5, ..info }, 1, b"bytes"),
+            of_page(&key, &info, 2, b"bytes"),
+            of_page(&key, &info, 1, b"byteS"),
             of_delta(EntryId(5), &key, None, 1, b"bytes"),
         ];
         for other in others {
             assert_ne!(other, plain);
         }
-        assert_eq!(of_page(&key, EntryId(5), &flat, 1, b"bytes"), plain);
+        assert_eq!(of_page(&key, &info, 1, b"bytes"), plain);
     }
 
     #[test]

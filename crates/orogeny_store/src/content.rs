@@ -46,7 +46,8 @@ pub(crate) fn decode_page(layout: PageLayout, row: &PageRow) -> Result<Content> 
         .map_err(|err| Error::damaged_page(row.key, err.to_string()))?;
     check_ordered(row.key, &ordered)?;
     let page = Arc::new(page_from_ordered(layout, &ordered)?);
-    Ok(Content { revision: row.info.revision, bounds: row.info.bounds, page })
+    let PageInfo { revision, bounds, error_m } = row.info;
+    Ok(Content { revision, bounds, error_m, page })
 }
 
 /// The difference that an entry made to a page.

@@ -8,7 +8,7 @@
 //! | `document` | the terrain: grid, page size, the number of commits, the entry that the history stands at, the last ids given out, what the history takes and may take |
 //! | `field` | a sampled plane, what it holds and the value of its absent pages |
 //! | `layer` | a layer of the stack as it is now, as JSON |
-//! | `page` | the directory: which pages of which level exist, which entry wrote each, its lowest and highest height, its checksum and where its bytes are |
+//! | `page` | the directory: which pages of which level exist, which entry wrote each, its lowest and highest height, how far a coarse one is from full resolution, its checksum and where its bytes are |
 //! | `page_data` | the compressed bytes of a page |
 //! | `entry` | an operation of the history; a tree, `next` is the child that redo goes to |
 //! | `delta` | what an entry did to a page: after minus before |
@@ -26,7 +26,7 @@
 pub const APPLICATION_ID: i32 = 0x4f52_4f47;
 
 /// The schema below, bytes 60..64 of the file. Files of a newer one are refused.
-pub const FORMAT_VERSION: i32 = 2;
+pub const FORMAT_VERSION: i32 = 3;
 
 /// How terrain files are called: `NAME.orogeny`.
 pub const FILE_EXTENSION: &str = "orogeny";
@@ -57,7 +57,7 @@ pub(crate) const CONNECTION_SETTINGS: &str = "
     PRAGMA journal_size_limit = 67108864;
 ";
 
-/// The tables of version 2.
+/// The tables of version 3.
 pub(crate) const SCHEMA: &str = "
     CREATE TABLE document (
         id         INTEGER PRIMARY KEY CHECK (id = 1),
@@ -100,6 +100,7 @@ pub(crate) const SCHEMA: &str = "
         codec    INTEGER NOT NULL,
         data     INTEGER NOT NULL,
         checksum BLOB NOT NULL,
+        error_m  REAL NOT NULL DEFAULT 0,
         PRIMARY KEY (field, level, z, x)
     ) STRICT, WITHOUT ROWID;
 

@@ -346,9 +346,10 @@ fn page_after_step(
     content::check_ordered(key, &values)?;
     let page = content::page_from_ordered(layout, &values)?;
     let rect = content::changed_rect(layout, &key, before.samples(), page.samples());
-    let info = PageInfo { revision, bounds: content::bounds_of(&grid, layout, &key, &page) };
+    let bounds = content::bounds_of(&grid, layout, &key, &page);
+    let info = PageInfo { revision, bounds, error_m: 0.0 };
     let row = content::encode_page(layout, key, info, &values)?;
-    let content = Content { revision, bounds: info.bounds, page: page.into() };
+    let content = Content { revision, bounds, error_m: 0.0, page: page.into() };
     Ok((Some((row, content)), rect))
 }
 

@@ -3,8 +3,8 @@
 //!
 //! A page above level 0 is a function of the pages below it alone, so undo, redo and every order of edits lead to the same
 //! bits as making it from scratch. It is there where any of the four pages that it covers is, or where a neighbour's edge
-//! reaches into it; elsewhere the field's constant is right. Its lowest and highest height are those of full resolution
-//! below it, its revision is the latest below it.
+//! reaches into it or to its last cells; elsewhere the field's constant is right. Its lowest and highest height are those of full resolution
+//! below it, its revision is the latest below it, its error is the largest below it and what its own level adds to that.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -68,6 +68,10 @@ struct Material {
     below: BTreeMap<PageKey, Content>,
     /// Of what it is made of, the pages that are damaged: what reads them stays as it is.
     damaged_below: Vec<PageKey>,
+    /// Whether no page is damaged of those that its error is worked out from.
+    is_error_known: bool,
+    /// What the directory has for an error that cannot be worked out.
+    error_to_keep_m: Option<f32>,
     /// Of the pages that it covers; `None`: there are none.
     info: Option<PageInfo>,
 }
@@ -124,7 +128,9 @@ pub(crate) fn pages_above(grid: &TerrainGrid, layout: PageLayout, level: u8, cha
     for (key, rect) in changed {
         note(&mut above, key.parent(), &SampleRect::EMPTY);
         let rect = rect_above(rect).intersection(&bounds);
-        for (x, z) in layout.pages_in(rect) {
+        // A page's error looks at the first samples of the next pages, too.
+        let looked_at = SampleRect::new(rect.x0 - 1, rect.z0 - 1, rect.x1, rect.z1).intersection(&bounds);
+        for (x, z) in layout.pages_in(if rect.is_empty() { rect } else { looked_at }) {
             let key = PageKey { field: key.field, level, z, x };
             note(&mut above, key, &layout.page_rect(&key).intersection(&rect));
         }
@@ -142,19 +148,29 @@ fn gather(db: &Database, plane: &Plane, key: PageKey, rect: SampleRect) -> Resul
         Err(err) => return Err(err),
     };
     let level_below = key.level.saturating_sub(1);
-    let read = rect_below(&rect).intersection(&grid.bounds_at(level_below));
+    let bounds_below = grid.bounds_at(level_below);
+    let read = rect_below(&rect).intersection(&bounds_below);
+    // Its error is that of all of it, whatever of it changes, up to the first samples of the next pages.
+    let of_error = rect_below(&SampleRect { x1: whole.x1 + 1, z1: whole.z1 + 1, ..whole });
+    let all = read.bounds_with(&of_error.intersection(&bounds_below));
     let keys: Vec<_> =
-        layout.pages_in(read).map(|(x, z)| PageKey { field: key.field, level: level_below, z, x }).collect();
-    let (mut below, mut damaged_below) = (BTreeMap::new(), Vec::new());
+        layout.pages_in(all).map(|(x, z)| PageKey { field: key.field, level: level_below, z, x }).collect();
+    let (mut below, mut damaged_below, mut is_error_known) = (BTreeMap::new(), Vec::new(), true);
     for (key, content) in keys.iter().zip(content::contents(db, layout, &keys)?) {
         match content {
             Ok(content) => below.extend(content.map(|content| (*key, content))),
-            Err(Error::DamagedPage { .. }) => damaged_below.push(*key),
+            Err(Error::DamagedPage { .. }) => {
+                is_error_known = false;
+                if !layout.page_rect(key).intersection(&read).is_empty() {
+                    damaged_below.push(*key);
+                }
+            }
             Err(err) => return Err(err),
         }
     }
     let info = covered(db, plane, &key)?;
-    Ok(Material { key, old, rect, below, damaged_below, info })
+    let error_to_keep_m = if is_error_known { None } else { db.page_info(&key)?.map(|info| info.error_m) };
+    Ok(Material { key, old, rect, below, damaged_below, is_error_known, error_to_keep_m, info })
 }
 
 /// What the directory says of the four pages that a page covers; `None` where there are none.
@@ -178,8 +194,17 @@ fn covered(db: &Database, plane: &Plane, key: &PageKey) -> Result<Option<PageInf
 }
 
 impl PageInfo {
+    /// Of a page without a height of its own.
+    const fn flat(constant: f32) -> Self {
+        Self { revision: EntryId::CREATION, bounds: HeightBounds::of(constant), error_m: 0.0 }
+    }
+
     fn with(self, other: Self) -> Self {
-        Self { revision: self.revision.max(other.revision), bounds: self.bounds.with(other.bounds) }
+        Self {
+            revision: self.revision.max(other.revision),
+            bounds: self.bounds.with(other.bounds),
+            error_m: self.error_m.max(other.error_m),
+        }
     }
 }
 
@@ -187,8 +212,7 @@ impl Material {
     fn make(self, plane: &Plane) -> Result<Made> {
         let Plane { layout, constant, .. } = *plane;
         if !self.damaged_below.is_empty() && self.old.is_none() {
-            let flat = PageInfo { revision: EntryId::CREATION, bounds: HeightBounds::of(constant) };
-            let outcome = Outcome::Damaged(self.info.unwrap_or(flat));
+            let outcome = Outcome::Damaged(self.info.unwrap_or(PageInfo::flat(constant)));
             return Ok(Made { key: self.key, outcome, changed: SampleRect::EMPTY });
         }
         let flat;
@@ -215,17 +239,24 @@ impl Material {
             }
         }
         let changed = changed_rect(layout, &self.key, before.samples(), after.samples());
-        let reaches_into = || after.samples().iter().any(|height_m| height_m.to_bits() != constant.to_bits());
+        let added_error_m = self.added_error_m(plane, &after);
+        let is_constant = || after.samples().iter().all(|height_m| height_m.to_bits() == constant.to_bits());
         let info = match self.info {
             Some(info) => info,
-            // Only a neighbour's edge reaches into it, which is no height of its own.
-            None if reaches_into() => {
-                PageInfo { revision: EntryId::CREATION, bounds: HeightBounds::of(constant) }
-            }
+            // Only a neighbour's edge reaches into it, or to its last cells, which is no height of its own.
+            None if added_error_m > 0.0 || !is_constant() => PageInfo::flat(constant),
             None => return Ok(Made { key: self.key, outcome: Outcome::Absent, changed }),
         };
+        let error_m = if self.is_error_known {
+            info.error_m + added_error_m
+        } else {
+            // It is not further off than its heights are high.
+            self.error_to_keep_m.unwrap_or(info.bounds.max_m - info.bounds.min_m)
+        };
+        let info = PageInfo { error_m, ..info };
         let row = content::encode_page(layout, self.key, info, &codec::ordered_from_page(&after))?;
-        let content = Content { revision: info.revision, bounds: info.bounds, page: Arc::new(after) };
+        let PageInfo { revision, bounds, .. } = info;
+        let content = Content { revision, bounds, error_m, page: Arc::new(after) };
         Ok(Made { key: self.key, outcome: Outcome::Page { content, row }, changed })
     }
 
@@ -248,6 +279,53 @@ impl Material {
                 coarsen::row(above, north, centre, south);
             }
         }
+    }
+
+    /// How far the surface of the page's level is from that of the level below, at most, metres: from the page's first samples to the first of the
+    /// next pages.
+    fn added_error_m(&self, plane: &Plane, page: &Page) -> f32 {
+        let bounds = plane.grid.bounds_at(self.key.level);
+        let page_rect = plane.layout.page_rect(&self.key);
+        let rect = page_rect.intersection(&bounds);
+        let below = plane.grid.bounds_at(self.key.level.saturating_sub(1));
+        let end = if rect.x1 < bounds.x1 { 2 * rect.x1 + 1 } else { below.x1 };
+        let mut on = vec![0.0; end.abs_diff(2 * rect.x0) as usize];
+        let mut between = on.clone();
+        let row_of = |z: i32| {
+            let own = page.row(z.abs_diff(page_rect.z0), 0, rect.width()).filter(|_| z < rect.z1);
+            let end = (rect.x1 + 1).min(bounds.x1);
+            let mut row = own.map_or_else(Vec::new, <[f32]>::to_vec);
+            row.extend(self.coarse_row(plane, z, rect.x0 + row.len() as i32, end));
+            row
+        };
+        let mut error_m = 0.0_f32;
+        let mut north = row_of(rect.z0);
+        for z in rect.z0..(rect.z1 + 1).min(bounds.z1) {
+            self.read_row(plane, 2 * z, 2 * rect.x0, &mut on);
+            error_m = error_m.max(coarsen::row_error(&north, &north, &on));
+            if z < rect.z1 && 2 * z + 1 < below.z1 {
+                self.read_row(plane, 2 * z + 1, 2 * rect.x0, &mut between);
+                // The surface goes on beyond the terrain's last sample as it is there.
+                let south = if z + 1 < bounds.z1 { row_of(z + 1) } else { north.clone() };
+                error_m = error_m.max(coarsen::row_error(&north, &south, &between));
+                north = south;
+            }
+        }
+        error_m
+    }
+
+    /// Samples of the page's level that may lie beyond the page.
+    fn coarse_row(&self, plane: &Plane, z: i32, x0: i32, x1: i32) -> Vec<f32> {
+        let mut above = vec![0.0; usize::try_from(x1 - x0).unwrap_or_default()];
+        let mut rows = [(); 3].map(|()| vec![0.0; 2 * above.len() + 1]);
+        if !above.is_empty() {
+            for (z, row) in (2 * z - 1..).zip(&mut rows) {
+                self.read_row(plane, z, 2 * x0 - 1, row);
+            }
+            let [north, centre, south] = &rows;
+            coarsen::row(&mut above, north, centre, south);
+        }
+        above
     }
 
     /// Samples of the level below from column `x0` on; those beyond the terrain's edge are the ones on it.

@@ -69,9 +69,9 @@ impl Store {
         for key in damaged.iter().filter(|key| key.level == 0) {
             match self.page_from_history(key)? {
                 Some(content) => {
-                    let Content { revision, bounds, page } = content;
+                    let Content { revision, bounds, error_m, page } = content;
                     let values = codec::ordered_from_page(&page);
-                    let info = PageInfo { revision, bounds };
+                    let info = PageInfo { revision, bounds, error_m };
                     self.db.write_page(&content::encode_page(self.layout(), *key, info, &values)?)?;
                     repaired.pages_from_history.push(*key);
                 }
@@ -130,6 +130,6 @@ impl Store {
         }
         let page = content::page_from_ordered(layout, &values)?;
         let bounds = content::bounds_of(&self.grid(), layout, key, &page);
-        Ok(Some(Content { revision, bounds, page: Arc::new(page) }))
+        Ok(Some(Content { revision, bounds, error_m: 0.0, page: Arc::new(page) }))
     }
 }

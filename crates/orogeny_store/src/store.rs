@@ -110,7 +110,7 @@ impl Store {
         let (head, acknowledged) = Head::lock(db.path())?;
         db.configure()?;
         if version < format::FORMAT_VERSION {
-            upgrade::from_version_1(&db)?;
+            upgrade::to_current(&db, version)?;
         }
         let (document, stack) = db.in_snapshot(|| Ok((db.document()?, Stack::load(&db)?)))?;
         let mut store = Self::writer(db, head, document, stack);
@@ -233,6 +233,16 @@ impl Store {
     /// When the directory cannot be read.
     pub fn page_bounds(&self, key: &PageKey) -> Result<Option<HeightBounds>> {
         Ok(self.db.page_info(key)?.map(|info| info.bounds))
+    }
+
+    /// How far the surface of a page's level is from that of full resolution anywhere on the page, at most, metres: what is lost by
+    /// drawing it in the place of those below it. 0 at level 0; `None` as [`Self::page_bounds`]. A surface is the two triangles of each
+    /// cell, from its first sample to its last.
+    ///
+    /// # Errors
+    /// When the directory cannot be read.
+    pub fn page_error_m(&self, key: &PageKey) -> Result<Option<f32>> {
+        Ok(self.db.page_info(key)?.map(|info| info.error_m))
     }
 
     /// The pages that a field has, at all levels, in the order of level, row, column.

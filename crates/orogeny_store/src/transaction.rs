@@ -439,8 +439,9 @@ impl Stored {
         let revision_before = self.revision_before();
         let bounds = content::bounds_of(&grid, layout, &key, after);
         let page_of = |revision: EntryId| {
-            let content = Content { revision, bounds, page: Arc::new(after.clone()) };
-            let page = content::encode_page(layout, key, PageInfo { revision, bounds }, &after_values)?;
+            let content = Content { revision, bounds, error_m: 0.0, page: Arc::new(after.clone()) };
+            let info = PageInfo { revision, bounds, error_m: 0.0 };
+            let page = content::encode_page(layout, key, info, &after_values)?;
             Ok::<_, Error>((page, content))
         };
         let write = match (is_as_before, &self.delta, revision_before) {

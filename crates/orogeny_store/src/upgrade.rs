@@ -2,23 +2,55 @@
 //!
 //! A damaged page stays one: it is refused by name, and can be repaired as any other.
 //!
-//! Version 1 had no levels above full resolution, no bounds of pages, no data from outside and no budget of the history.
+//! Version 1 had no levels above full resolution, no bounds of pages, no data from outside and no budget of the history. Version 2 did not
+//! say how far a coarse page is from full resolution.
 
 use orogeny_field::{FieldId, HeightBounds, PageKey, PageLayout, TerrainGrid};
 use rusqlite::params;
 
 use crate::checksum::{Checksum, RowHasher};
 use crate::database::Database;
-use crate::pyramid::{self, Changed};
+use crate::pyramid::{self, Changed, Plane};
 use crate::rows::{Document, PageInfo, PageRow};
 use crate::stack::Stack;
 use crate::{EntryId, Error, Field, FieldKind, Result, codec, content, format};
 
-/// What version 2 makes anew; its rows come from tables that are renamed meanwhile.
+/// What is made anew of version 1; its rows come from tables that are renamed meanwhile.
 const RENAMED: [&str; 3] = ["document", "field", "page"];
 
+/// Brings a file of an older version up to date.
+pub(crate) fn to_current(db: &Database, version: i32) -> Result<()> {
+    if version < 2 { from_version_1(db) } else { from_version_2(db) }
+}
+
+/// Adds the errors of coarse pages, whose bytes stay as they are. A page that is damaged stays so; one over a damaged one, which cannot be made
+/// again, may be as far off as its heights are high.
+fn from_version_2(db: &Database) -> Result<()> {
+    db.in_transaction(|| {
+        db.run("ALTER TABLE page ADD COLUMN error_m REAL NOT NULL DEFAULT 0")?;
+        let (document, stack) = (db.document()?, Stack::load(db)?);
+        let Document { grid, layout, .. } = document;
+        for field in stack.fields.keys() {
+            // The finer levels first: errors are added up.
+            for key in db.page_keys(*field)?.into_iter().filter(|key| key.level > 0) {
+                let Ok(Some(row)) = db.page(layout, &key) else { continue };
+                let plane = Plane { grid, layout, constant: stack.constant(&key) };
+                let error_m = match pyramid::made_from_scratch(db, &plane, key) {
+                    Ok(made) => made.map_or(0.0, |made| made.error_m),
+                    Err(Error::DamagedPage { .. }) => row.info.bounds.max_m - row.info.bounds.min_m,
+                    Err(err) => return Err(err),
+                };
+                let info = PageInfo { error_m, ..row.info };
+                db.change_page_info(&PageRow { info, ..row })?;
+                db.cache.borrow_mut().forget(&key);
+            }
+        }
+        db.run(&format!("PRAGMA user_version = {}", format::FORMAT_VERSION))
+    })
+}
+
 /// Brings a file of version 1 up to date.
-pub(crate) fn from_version_1(db: &Database) -> Result<()> {
+fn from_version_1(db: &Database) -> Result<()> {
     // Rows name the tables that are made anew, and the new ones in the end.
     db.run("PRAGMA foreign_keys = OFF")?;
     db.in_transaction(|| {
@@ -125,8 +157,8 @@ fn pages(db: &Database, document: &Document) -> Result<Changed> {
     for key in &keys {
         let Some((row, data, checksum)) = page(db, layout, key)? else {
             // Its bytes are missing, or make no sense.
-            let bounds = HeightBounds::of(0.0);
-            db.insert_damaged_page(*key, PageInfo { revision: EntryId::CREATION, bounds })?;
+            let info = PageInfo { revision: EntryId::CREATION, bounds: HeightBounds::of(0.0), error_m: 0.0 };
+            db.insert_damaged_page(*key, info)?;
             continue;
         };
         let hasher = RowHasher::new("page").place(key).number(row.info.revision.0.into());
@@ -153,7 +185,8 @@ fn page(db: &Database, layout: PageLayout, key: &PageKey) -> Result<Option<(Page
         let max_bytes = codec::max_size_in_bytes(layout.num_samples());
         let place = params![key.field.0, key.level, key.z, key.x, i64::try_from(max_bytes).unwrap_or(i64::MAX)];
         statement.query_row(place, |row| {
-            let info = PageInfo { revision: EntryId(row.get(0)?), bounds: HeightBounds::of(0.0) };
+            let revision = EntryId(row.get(0)?);
+            let info = PageInfo { revision, bounds: HeightBounds::of(0.0), error_m: 0.0 };
             let page = PageRow { key: *key, info, codec: row.get(1)?, bytes: row.get(4)? };
             Ok((page, row.get(2)?, row.get(3)?))
         })

@@ -19,6 +19,20 @@ pub fn row(above: &mut [f32], north: &[f32], centre: &[f32], south: &[f32]) {
     }
 }
 
+/// How far the surface between two rows of the next level is, at most, from a row of samples midway between them: of the two triangles of each
+/// cell, from its first sample to its last. With one row twice, from the row of samples that it lies on. Sample `i` of the rows lies on sample `2 i` of
+/// `below`, which is at most twice as long; beyond the last one the surface goes on as it is there.
+#[must_use]
+pub fn row_error(north: &[f32], south: &[f32], below: &[f32]) -> f32 {
+    let next = south.iter().skip(1).chain(south.last());
+    let cells = north.iter().zip(south).zip(next).zip(below.chunks(2));
+    cells.fold(0.0, |error: f32, (((north, south), next), below)| {
+        let off = |surface: f32, height: Option<&f32>| height.map_or(0.0, |height| (surface - height).abs());
+        let on_column = off(0.5 * (north + south), below.first());
+        error.max(on_column).max(off(0.5 * (north + next), below.get(1)))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -40,6 +54,20 @@ mod tests {
             row(&mut above, &constant, &constant, &constant);
             assert_eq!(above.map(f32::to_bits), [bits; 3]);
         }
+    }
+
+    #[test]
+    fn a_row_s_error_is_that_of_the_triangles_above_it() {
+        let (north, south) = ([0.0, 4.0, 8.0], [2.0, 6.0, 10.0]);
+        // Midway between: on the columns 1, 5, 9; on the diagonals 3, 7; beyond the last one as there.
+        assert_eq!(row_error(&north, &south, &[1.0, 3.0, 5.0, 7.0, 9.0, 9.0]), 0.0);
+        for (place, off) in [(0, 0.5), (1, -0.75), (4, 2.0), (5, 1.0)] {
+            let mut below = [1.0, 3.0, 5.0, 7.0, 9.0, 9.0];
+            below[place] += off;
+            assert_eq!(row_error(&north, &south, &below), off.abs(), "{place}");
+        }
+        assert_eq!(row_error(&north, &north, &[0.0, 2.0, 4.0, 6.0, 8.0]), 0.0);
+        assert_eq!(row_error(&north, &north, &[0.0, 2.0, 4.0, 6.5, 8.0]), 0.5);
     }
 
     #[test]

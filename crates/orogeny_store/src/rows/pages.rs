@@ -25,6 +25,8 @@ pub(crate) struct PageInfo {
     pub(crate) revision: EntryId,
     /// Lowest and highest height at full resolution, within the terrain.
     pub(crate) bounds: HeightBounds,
+    /// How far the surface of a page above level 0 is from full resolution, at most; 0 of level 0.
+    pub(crate) error_m: f32,
 }
 
 /// What an entry did to a page, as it lies in the file: after minus before.
@@ -46,6 +48,12 @@ fn key_from_row(row: &Row<'_>, first_column: usize) -> rusqlite::Result<PageKey>
     })
 }
 
+/// From `revision, min_m, max_m, error_m`, the first columns of a row.
+fn info_from_row(row: &Row<'_>) -> rusqlite::Result<PageInfo> {
+    let bounds = HeightBounds { min_m: row.get(1)?, max_m: row.get(2)? };
+    Ok(PageInfo { revision: EntryId(row.get(0)?), bounds, error_m: row.get(3)? })
+}
+
 /// The longest blob that is read: longer is damage.
 fn max_blob_bytes(layout: PageLayout) -> i64 {
     i64::try_from(codec::max_size_in_bytes(layout.num_samples())).unwrap_or(i64::MAX)
@@ -54,9 +62,11 @@ fn max_blob_bytes(layout: PageLayout) -> i64 {
 impl Database {
     /// A page, its checksum verified; `None` where the terrain has no such page.
     pub(crate) fn page(&self, layout: PageLayout, key: &PageKey) -> Result<Option<PageRow>> {
-        type Columns = (u32, f32, f32, u8, Checksum, Option<i64>, Option<Vec<u8>>);
-        let columns: Option<Columns> = self.statement(
-                "SELECT page.revision, page.min_m, page.max_m, page.codec, page.checksum, length(page_data.bytes),
+        type Columns = (PageInfo, u8, Checksum, Option<i64>, Option<Vec<u8>>);
+        let columns: Option<Columns> = self
+            .statement(
+                "SELECT page.revision, page.min_m, page.max_m, page.error_m,
+                        page.codec, page.checksum, length(page_data.bytes),
                         CASE WHEN length(page_data.bytes) <= ?5 THEN page_data.bytes END
                  FROM page LEFT JOIN page_data ON page_data.id = page.data
                  WHERE page.field = ?1 AND page.level = ?2 AND page.z = ?3 AND page.x = ?4",
@@ -64,15 +74,7 @@ impl Database {
             .and_then(|mut statement| {
                 statement
                     .query_row(params![key.field.0, key.level, key.z, key.x, max_blob_bytes(layout)], |row| {
-                        Ok((
-                            row.get(0)?,
-                            row.get(1)?,
-                            row.get(2)?,
-                            row.get(3)?,
-                            row.get(4)?,
-                            row.get(5)?,
-                            row.get(6)?,
-                        ))
+                        Ok((info_from_row(row)?, row.get(4)?, row.get(5)?, row.get(6)?, row.get(7)?))
                     })
                     .optional()
             })
@@ -80,7 +82,7 @@ impl Database {
                 Error::Damaged { detail, .. } => Error::damaged_page(*key, detail),
                 err => err,
             })?;
-        let Some((revision, min_m, max_m, codec, checksum, length, bytes)) = columns else { return Ok(None) };
+        let Some((info, codec, checksum, length, bytes)) = columns else { return Ok(None) };
         let Some(bytes) = bytes else {
             let detail = length.map_or_else(
                 || "its bytes are missing".to_owned(),
@@ -88,8 +90,7 @@ impl Database {
             );
             return Err(Error::damaged_page(*key, detail));
         };
-        let info = PageInfo { revision: EntryId(revision), bounds: HeightBounds { min_m, max_m } };
-        if checksum::of_page(key, info.revision, &info.bounds, codec, &bytes) != checksum {
+        if checksum::of_page(key, &info, codec, &bytes) != checksum {
             return Err(Error::damaged_page(*key, "it fails its checksum"));
         }
         self.counters.read(&bytes);
@@ -99,16 +100,11 @@ impl Database {
     /// What the directory says of a page, without reading the page; `None` where there is none.
     pub(crate) fn page_info(&self, key: &PageKey) -> Result<Option<PageInfo>> {
         self.statement(
-            "SELECT revision, min_m, max_m FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4",
+            "SELECT revision, min_m, max_m, error_m FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4",
         )
         .and_then(|mut statement| {
             statement
-                .query_row(params![key.field.0, key.level, key.z, key.x], |row| {
-                    Ok(PageInfo {
-                        revision: EntryId(row.get(0)?),
-                        bounds: HeightBounds { min_m: row.get(1)?, max_m: row.get(2)? },
-                    })
-                })
+                .query_row(params![key.field.0, key.level, key.z, key.x], info_from_row)
                 .optional()
         })
         .map_err(|err| self.fault(err))
@@ -207,6 +203,18 @@ impl Database {
         self.write_page_info(page, data)
     }
 
+    /// Changes what the directory says of a page that is there; its bytes stay as they are.
+    pub(crate) fn change_page_info(&self, page: &PageRow) -> Result<()> {
+        let key = &page.key;
+        let data = self
+            .statement("SELECT data FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
+            .and_then(|mut statement| {
+                statement.query_row(params![key.field.0, key.level, key.z, key.x], |row| row.get(0))
+            })
+            .map_err(|err| self.fault(err))?;
+        self.insert_page_info(page, data)
+    }
+
     /// Puts into the directory a page whose bytes lie there already, under the number `data`.
     pub(crate) fn insert_page_info(&self, page: &PageRow, data: i64) -> Result<()> {
         self.write_page_info(page, data).map_err(|err| self.fault(err))
@@ -233,13 +241,15 @@ impl Database {
     }
 
     fn write_page_info(&self, page: &PageRow, data: i64) -> rusqlite::Result<()> {
-        let PageRow { key, info: PageInfo { revision, bounds }, codec, bytes } = page;
-        let checksum = checksum::of_page(key, *revision, bounds, *codec, bytes);
+        let PageRow { key, info, codec, bytes } = page;
+        let PageInfo { revision, bounds, error_m } = info;
+        let checksum = checksum::of_page(key, info, *codec, bytes);
         self.statement(
-            "INSERT INTO page (field, level, z, x, revision, min_m, max_m, codec, data, checksum)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)
+            "INSERT INTO page (field, level, z, x, revision, min_m, max_m, codec, data, checksum, error_m)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)
              ON CONFLICT DO UPDATE SET revision = excluded.revision, min_m = excluded.min_m, max_m = excluded.max_m,
-                                       codec = excluded.codec, data = excluded.data, checksum = excluded.checksum",
+                                       codec = excluded.codec, data = excluded.data, checksum = excluded.checksum,
+                                       error_m = excluded.error_m",
         )?
         .execute(params![
             key.field.0,
@@ -251,7 +261,8 @@ impl Database {
             bounds.max_m,
             codec,
             data,
-            checksum
+            checksum,
+            error_m
         ])?;
         Ok(())
     }
@@ -402,8 +413,8 @@ impl Database {
         self.statement(
             "SELECT field, level, z, x FROM page AS above WHERE level > 0 AND NOT EXISTS
              (SELECT 1 FROM page AS below WHERE below.field = above.field AND below.level = above.level - 1
-              AND below.z BETWEEN 2 * above.z - 1 AND 2 * above.z + 1
-              AND below.x BETWEEN 2 * above.x - 1 AND 2 * above.x + 1) LIMIT 100",
+              AND below.z BETWEEN 2 * above.z - 1 AND 2 * above.z + 2
+              AND below.x BETWEEN 2 * above.x - 1 AND 2 * above.x + 2) LIMIT 100",
         )
         .and_then(|mut statement| statement.query_map([], |row| key_from_row(row, 0))?.collect())
         .map_err(|err| self.fault(err))

@@ -40,6 +40,21 @@ impl Plane {
         Self { width, depth, heights }
     }
 
+    /// The height of the triangles of the plane, as a level, at a sample of full resolution.
+    fn surface(&self, level: u8, x: usize, z: usize) -> f32 {
+        let side = 1 << level;
+        let (i, j) = ((x / side) as isize, (z / side) as isize);
+        let (fx, fz) = ((x % side) as f32 / side as f32, (z % side) as f32 / side as f32);
+        let (first, last) = (self.at(i, j), self.at(i + 1, j + 1));
+        if fx >= fz {
+            let east = self.at(i + 1, j);
+            first + fx * (east - first) + fz * (last - east)
+        } else {
+            let south = self.at(i, j + 1);
+            first + fz * (south - first) + fx * (last - south)
+        }
+    }
+
     /// Of the samples of a rectangle that the plane has.
     fn bounds(&self, x0: usize, z0: usize, side: usize) -> HeightBounds {
         let rows = z0..(z0 + side).min(self.depth);
@@ -75,6 +90,11 @@ fn assert_levels(store: &Store, plane: &Plane) {
             assert_eq!(bounds.is_some(), found.is_some());
             let expected = plane.bounds(x0 << level, z0 << level, size << level);
             assert_eq!(bounds.unwrap_or(HeightBounds::of(CONSTANT_M)), expected, "{key:?}");
+            let error_m = store.page_error_m(&key).unwrap().unwrap_or(0.0);
+            let off = furthest(plane, &level_plane, level, [x0, z0], size);
+            assert!(off <= error_m * 1.0001 + 0.01, "{key:?}: {off} {error_m}");
+            // Of one level alone it is what it says.
+            assert!(level > 1 || error_m <= off * 1.0001 + 0.01, "{key:?}: {off} {error_m}");
         }
         level_plane = level_plane.above();
     }
@@ -82,6 +102,17 @@ fn assert_levels(store: &Store, plane: &Plane) {
         let above = grid.bounds_at(layout.top_level(&grid) + 1);
         (above.width() as usize, above.depth() as usize)
     });
+}
+
+/// How far the surface of a level is from the plane, from a page's first sample to the first of the next, or to the plane's end.
+fn furthest(plane: &Plane, above: &Plane, level: u8, [x0, z0]: [usize; 2], size: usize) -> f32 {
+    let along = |first: usize, num_above: usize, num: usize| {
+        let last = first + size;
+        (first << level)..if last < num_above { (last << level) + 1 } else { num }
+    };
+    let (columns, rows) = (along(x0, above.width, plane.width), along(z0, above.depth, plane.depth));
+    let off = |(x, z): (usize, usize)| (above.surface(level, x, z) - plane.at(x as isize, z as isize)).abs();
+    rows.flat_map(|z| columns.clone().map(move |x| (x, z))).map(off).fold(0.0, f32::max)
 }
 
 fn create(scratch: &Scratch, width: usize, depth: usize) -> Store {

@@ -111,7 +111,11 @@ fn a_newer_version_is_refused_and_not_touched() {
     set_version(format::FORMAT_VERSION + 1);
     let bytes = std::fs::read(scratch.path()).unwrap();
     let err = Store::open(&scratch.path()).unwrap_err();
-    assert!(matches!(err, Error::NewerVersion { version: 3, supported: 2, .. }), "{err}");
+    let newer = format::FORMAT_VERSION + 1;
+    assert!(
+        matches!(err, Error::NewerVersion { version, supported: format::FORMAT_VERSION, .. } if version == newer),
+        "{err}"
+    );
     assert_eq!(std::fs::read(scratch.path()).unwrap(), bytes);
     assert_eq!(scratch.files(), ["terrain.orogeny"]);
     set_version(0);

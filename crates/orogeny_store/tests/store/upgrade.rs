@@ -1,4 +1,4 @@
-//! Files of version 1, brought up to date: everything that was there stays as it was, or nothing is changed.
+//! Files of older versions, brought up to date: everything that was there stays as it was, or nothing is changed.
 
 use orogeny_field::{HeightBounds, PageKey, SampleRect};
 use orogeny_store::{Entry, EntryId, EntryState, Error, Store, format};
@@ -10,13 +10,19 @@ use crate::support::{Scratch, assert_whole, bits, contents};
 /// What the fixture is: `tests/fixtures/README.md`.
 const VERSION_1: &[u8] = include_bytes!("../fixtures/version-1.orogeny.zst");
 
+const VERSION_2: &[u8] = include_bytes!("../fixtures/version-2.orogeny.zst");
+
 /// Hash of the heights that the program which wrote it exported.
 const HEIGHTS_BLAKE3: &str = "5188ee17f64214688740d24f6243e6c76158c2c7c970b66c07ce8cb378578c8b";
 
-fn version_1() -> Scratch {
+fn fixture(packed: &[u8]) -> Scratch {
     let scratch = Scratch::new();
-    std::fs::write(scratch.path(), zstd::stream::decode_all(VERSION_1).unwrap()).unwrap();
+    std::fs::write(scratch.path(), zstd::stream::decode_all(packed).unwrap()).unwrap();
     scratch
+}
+
+fn version_1() -> Scratch {
+    fixture(VERSION_1)
 }
 
 fn sql(scratch: &Scratch) -> Connection {
@@ -113,6 +119,48 @@ fn heights_and_log_stay_and_what_is_new_is_there() {
     assert_eq!(store.page_bounds(&coarse).unwrap(), Some(west.with(east)));
     store.close().unwrap();
     assert_eq!((version(&scratch), scratch.files().len()), (format::FORMAT_VERSION, 1));
+}
+
+#[test]
+fn a_file_of_version_2_keeps_its_pages_and_gets_the_errors_of_coarse_ones() {
+    let scratch = fixture(VERSION_2);
+    assert_eq!(version(&scratch), 2);
+    let store = upgraded(&scratch);
+    assert_eq!(heights_blake3(&store), HEIGHTS_BLAKE3);
+    assert_whole(&store);
+    let field = store.layers()[0].heights;
+    let coarse = PageKey { field, level: 1, z: 0, x: 0 };
+    let error_m = store.page_error_m(&coarse).unwrap();
+    assert!(error_m > Some(1.0), "{error_m:?}");
+    assert_eq!(store.page_error_m(&PageKey::full_resolution(field, 1, 0)).unwrap(), Some(0.0));
+    let pages = contents(&store, field);
+    store.close().unwrap();
+    assert_eq!(version(&scratch), format::FORMAT_VERSION);
+
+    let from_version_1 = version_1();
+    let store = upgraded(&from_version_1);
+    assert_eq!(contents(&store, field), pages);
+    assert_eq!(store.page_error_m(&coarse).unwrap(), error_m);
+}
+
+#[test]
+fn what_is_damaged_in_a_file_of_version_2_stays_so_and_is_mended_as_ever() {
+    let scratch = fixture(VERSION_2);
+    sql(&scratch).execute_batch("UPDATE page SET checksum = x'00' WHERE level = 0 AND x = 1").unwrap();
+    let store = upgraded(&scratch);
+    let field = store.layers()[0].heights;
+    let damaged = PageKey::full_resolution(field, 1, 0);
+    assert!(matches!(store.load_page(&damaged), Err(Error::DamagedPage { .. })));
+    // What is left of it is still there, and counts as being as far off as it is high.
+    let coarse = PageKey { field, level: 1, z: 0, x: 0 };
+    assert!(store.load_page(&coarse).unwrap().is_some());
+    let bounds = store.page_bounds(&coarse).unwrap().unwrap();
+    assert_eq!(store.page_error_m(&coarse).unwrap(), Some(bounds.max_m - bounds.min_m));
+    store.close().unwrap();
+    assert_eq!(Store::repair(&scratch.path()).unwrap().pages_from_history, [damaged]);
+    let store = Store::open_to_read(&scratch.path()).unwrap();
+    assert_whole(&store);
+    assert!(store.page_error_m(&coarse).unwrap() < Some(bounds.max_m - bounds.min_m));
 }
 
 #[test]
