@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use clap::ValueEnum;
-use orogeny_engine::{ByteOrder, NodataPolicy, SampleType};
+use orogeny_engine::{ByteOrder, HeightAt, NodataPolicy, Place, SampleType};
 
 /// Two whole numbers, as `4096x2048`.
 ///
@@ -31,6 +31,20 @@ pub fn region(text: &str) -> Result<[f64; 4], String> {
 pub fn range(text: &str) -> Result<[f64; 2], String> {
     let [low, high] = numbers(text, "LO,HI")?;
     if low < high { Ok([low, high]) } else { Err("the first height must be below the second".to_owned()) }
+}
+
+/// A place to look from or at, in metres: `X,Y,Z`, with `+` before Y where it is above the ground.
+pub fn view_place(text: &str) -> Result<Place, String> {
+    let [x_m, y_m, z_m] = numbers(text, "X,Y,Z, with +Y above the ground")?;
+    let is_above = text.split(',').nth(1).is_some_and(|y| y.trim().starts_with('+'));
+    let height = if is_above { HeightAt::AboveGround(y_m) } else { HeightAt::Absolute(y_m) };
+    Ok(Place { x_m, height, z_m })
+}
+
+/// Where the sun stands, in degrees: `AZIMUTH,ALTITUDE`.
+pub fn sun(text: &str) -> Result<[f64; 2], String> {
+    numbers(text, "AZIMUTH,ALTITUDE")
+        .map_err(|_| "give two numbers of degrees, as AZIMUTH,ALTITUDE".to_owned())
 }
 
 fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {

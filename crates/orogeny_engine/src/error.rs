@@ -55,6 +55,18 @@ pub enum Error {
         /// Why.
         source: Box<Error>,
     },
+    /// A number of a picture that is out of its range.
+    #[error("{what} is {value}; it may be {low} to {high}")]
+    View {
+        /// Which one.
+        what: &'static str,
+        /// What it was.
+        value: f64,
+        /// The least.
+        low: f64,
+        /// The most.
+        high: f64,
+    },
     /// There is no such layer.
     #[error("there is no layer {layer}; the terrain has {known}")]
     UnknownLayer {

@@ -46,6 +46,7 @@ mod relief;
 mod replay;
 mod resources;
 mod terrain;
+mod view;
 mod whole_file;
 
 pub use apply::Applied;
@@ -64,6 +65,7 @@ pub use orogeny_field::{
 pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,
 };
+pub use orogeny_geomip::{FrameReport, Metric, Mode};
 pub use orogeny_gpu::{AdapterDescription, list_adapters};
 pub use orogeny_store::{
     Change, CheckReport, Direction as HistoryDirection, Dropped, Entry, EntryId, EntryState, HistorySummary,
@@ -74,3 +76,4 @@ pub use presets::{Preset, Presets};
 pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;
 pub use terrain::Terrain;
+pub use view::{Drawn, Flight, HeightAt, Place, View, ViewRequest};

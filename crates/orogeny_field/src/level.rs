@@ -8,6 +8,9 @@ use crate::{PageKey, PageLayout, SampleRect, TerrainGrid};
 /// How many heights are looked at side by side: the loop then vectorises.
 const LANES: usize = 16;
 
+/// How much larger the error of a coarse page is counted than those below it, at least: so that a small step of a camera is a small one in detail.
+pub const MIN_ERROR_GROWTH: f32 = 1.25;
+
 /// Lowest and highest height of some part of a plane, in metres (or a mask's 0..1).
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct HeightBounds {

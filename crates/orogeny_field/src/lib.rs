@@ -60,7 +60,7 @@ pub use grab::{Drag, GrabKernel};
 pub use grid::{MAX_SIDE_SAMPLES, MAX_SPACING_M, MIN_SPACING_M, TerrainGrid};
 pub use height::{MAX_HEIGHT_M, check_height, is_storable_height, sanitized_height};
 pub use instance::{Footprint, Instance, WeightMode};
-pub use level::{HeightBounds, rect_above, rect_below};
+pub use level::{HeightBounds, MIN_ERROR_GROWTH, rect_above, rect_below};
 pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
 pub use placement::{Part, Place, Placement, Placing};
 pub use plane::{Plane, mirrored};

@@ -36,6 +36,13 @@ impl Bounds {
         Some(Self::of_samples([first, last], heights, grid.spacing_m()))
     }
 
+    /// As it is, but further to all four sides, metres.
+    #[must_use]
+    pub fn grown(&self, by_m: f64) -> Self {
+        let by_m = DVec3::new(by_m, 0.0, by_m);
+        Self { min_m: self.min_m - by_m, max_m: self.max_m + by_m }
+    }
+
     /// How far a place lies from it, metres; 0 within.
     #[must_use]
     pub fn distance_m(&self, place_m: DVec3) -> f64 {

@@ -7,9 +7,6 @@ use crate::{Bounds, Camera, MAX_COARSENING, Tile};
 /// The least error that is worth its triangles, pixels.
 const MIN_ERROR_PX: f64 = 0.1;
 
-/// How much larger the error of a level is counted than that of the next finer one, at least.
-pub const MIN_ERROR_GROWTH: f32 = 1.25;
-
 /// What is asked of a terrain's heights to choose details. `Tile`s lie on the terrain.
 ///
 /// Both answers are about the *ring* of a tile: the tile and the eight of its level around it. Then a tile never asks for less than what lies
@@ -23,7 +20,7 @@ pub trait Relief {
 
     /// How far, at most, the surface of a level is from that of full resolution anywhere in a tile's ring, metres.
     ///
-    /// At least [`MIN_ERROR_GROWTH`] times that of the next finer level, so that a small step of the camera is a small one in
+    /// At least [`orogeny_field::MIN_ERROR_GROWTH`] times that of the next finer level, so that a small step of the camera is a small one in
     /// detail; not less than that of a tile whose ring lies within this one's; 0 for level 0. `level` is at most the top level.
     fn ring_error_m(&self, tile: Tile, level: u8) -> f32;
 }

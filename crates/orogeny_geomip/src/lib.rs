@@ -25,14 +25,30 @@ mod camera;
 mod culling;
 mod detail;
 mod lattice;
+mod page_place;
+mod page_table;
 mod picking;
+mod relief;
+mod renderer;
 mod selection;
+mod shadow;
+mod sky;
+mod streaming;
 mod tile;
 
 pub use camera::{Camera, MIN_NEAR_M};
 pub use culling::{Bounds, Frustum};
-pub use detail::{DetailRule, MIN_ERROR_GROWTH, Metric, Relief};
+pub use detail::{DetailRule, Metric, Relief};
 pub use lattice::{DrawnTile, RIM_PARTS, indices};
+pub use page_place::PagePlace;
+pub use page_table::{MAX_LEVELS, PageTable, TABLE_SIDE};
 pub use picking::{Ground, Ray, pick};
+pub use relief::{PageRelief, PageSummaries, PageSummary};
+pub use renderer::{
+    Cursor, Fog, FrameReport, FrameUniform, Light, MAX_CURSORS, Mode, Renderer, Scene, Targets, TileInstance,
+};
 pub use selection::{select, with_rims};
+pub use shadow::{Cascade, MAX_CASCADES, cascades};
+pub use sky::{SKY_SIZE, Sky};
+pub use streaming::{Holder, Slots, wanted_pages};
 pub use tile::{MAX_COARSENING, TILE_CELLS, Tile};

@@ -106,7 +106,7 @@ impl Gpu {
             .bindings
             .iter()
             .filter(|binding| binding.group == KERNEL_GROUP)
-            .map(layout_entry)
+            .map(|binding| layout_entry(binding, wgpu::ShaderStages::COMPUTE, false))
             .collect();
         let bind_group_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(&label),
@@ -136,7 +136,7 @@ impl Gpu {
 }
 
 /// The constants that the shader declares: a driver shared by kernels may use more of them than each kernel has.
-fn own_constants<'a>(shader: &Shader, constants: &[(&'a str, u32)]) -> Vec<(&'a str, f64)> {
+pub(crate) fn own_constants<'a>(shader: &Shader, constants: &[(&'a str, u32)]) -> Vec<(&'a str, f64)> {
     let declared = |name: &str| shader.overrides.iter().any(|constant| constant.name == name);
     constants
         .iter()
@@ -145,7 +145,12 @@ fn own_constants<'a>(shader: &Shader, constants: &[(&'a str, u32)]) -> Vec<(&'a 
         .collect()
 }
 
-fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
+/// How a binding is laid out for some stages. `is_filtered` says whether a sampler may look between its texels.
+pub(crate) fn layout_entry(
+    binding: &Binding,
+    visibility: wgpu::ShaderStages,
+    is_filtered: bool,
+) -> wgpu::BindGroupLayoutEntry {
     let buffer = |ty| wgpu::BindingType::Buffer {
         ty,
         has_dynamic_offset: false,
@@ -159,7 +164,7 @@ fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
         BindingKind::Texture { dimension, sample_type, multisampled } => wgpu::BindingType::Texture {
             sample_type: match sample_type {
                 // Heights are R32Float, which WebGPU does not filter.
-                SampleType::Float => wgpu::TextureSampleType::Float { filterable: false },
+                SampleType::Float => wgpu::TextureSampleType::Float { filterable: is_filtered },
                 SampleType::Sint => wgpu::TextureSampleType::Sint,
                 SampleType::Uint => wgpu::TextureSampleType::Uint,
                 SampleType::Depth => wgpu::TextureSampleType::Depth,
@@ -179,16 +184,13 @@ fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
         },
         BindingKind::Sampler { comparison } => wgpu::BindingType::Sampler(if comparison {
             wgpu::SamplerBindingType::Comparison
+        } else if is_filtered {
+            wgpu::SamplerBindingType::Filtering
         } else {
             wgpu::SamplerBindingType::NonFiltering
         }),
     };
-    wgpu::BindGroupLayoutEntry {
-        binding: binding.binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty,
-        count: None,
-    }
+    wgpu::BindGroupLayoutEntry { binding: binding.binding, visibility, ty, count: None }
 }
 
 fn view_dimension(dimension: TextureDimension) -> wgpu::TextureViewDimension {

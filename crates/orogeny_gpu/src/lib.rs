@@ -5,18 +5,21 @@
 //! - [`Gpu`]: device and queue, with every error and the loss of the device recorded; [`Gpu::check`] is asked before
 //!   anything is called done, since wgpu reports nothing once a device is gone.
 //! - [`Gpu::kernel`]: compute pipelines by stem and constants, built once for a device. Bind group layouts come from the shader's reflection.
+//! - [`Gpu::drawing`]: render pipelines, laid out the same way from both of their stages.
 //! - [`ReadbackBelt`]: texture layers on their way back to memory.
 //!
 //! Limits: only WebGPU's default limits and no optional features are asked for.
 
 mod adapter;
 mod context;
+mod drawing;
 mod error;
 mod kernel;
 mod readback;
 
 pub use adapter::{AdapterChoice, AdapterDescription, list_adapters};
 pub use context::Gpu;
+pub use drawing::{Drawing, DrawingRequest};
 pub use error::{Error, Result};
 pub use kernel::Kernel;
 pub use readback::{ReadBack, ReadbackBelt};

@@ -4,13 +4,15 @@
 //! A page above level 0 is a function of the pages below it alone, so undo, redo and every order of edits lead to the same
 //! bits as making it from scratch. It is there where any of the four pages that it covers is, or where a neighbour's edge
 //! reaches into it or to its last cells; elsewhere the field's constant is right. Its lowest and highest height are those of full resolution
-//! below it, its revision is the latest below it, its error is the largest below it and what its own level adds to that.
+//! below it, its revision is the latest below it, its error is the largest below it and what its own level adds to that, but at least
+//! [`MIN_ERROR_GROWTH`] times that.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use orogeny_field::{
-    HeightBounds, Page, PageKey, PageLayout, SampleRect, TerrainGrid, rect_above, rect_below,
+    HeightBounds, MIN_ERROR_GROWTH, Page, PageKey, PageLayout, SampleRect, TerrainGrid, rect_above,
+    rect_below,
 };
 use orogeny_reference::field::coarsen;
 use rayon::prelude::*;
@@ -248,7 +250,7 @@ impl Material {
             None => return Ok(Made { key: self.key, outcome: Outcome::Absent, changed }),
         };
         let error_m = if self.is_error_known {
-            info.error_m + added_error_m
+            (info.error_m + added_error_m).max(info.error_m * MIN_ERROR_GROWTH)
         } else {
             // It is not further off than its heights are high.
             self.error_to_keep_m.unwrap_or(info.bounds.max_m - info.bounds.min_m)

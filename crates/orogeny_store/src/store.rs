@@ -235,14 +235,14 @@ impl Store {
         Ok(self.db.page_info(key)?.map(|info| info.bounds))
     }
 
-    /// How far the surface of a page's level is from that of full resolution anywhere on the page, at most, metres: what is lost by
-    /// drawing it in the place of those below it. 0 at level 0; `None` as [`Self::page_bounds`]. A surface is the two triangles of each
-    /// cell, from its first sample to its last.
+    /// [`Self::page_bounds`], and how far the surface of a page's level is at most from that of full resolution anywhere on the page, metres: what
+    /// is lost by drawing it in the place of those below it; 0 at level 0. A surface is the two triangles of each cell, from its
+    /// first sample to its last.
     ///
     /// # Errors
     /// When the directory cannot be read.
-    pub fn page_error_m(&self, key: &PageKey) -> Result<Option<f32>> {
-        Ok(self.db.page_info(key)?.map(|info| info.error_m))
+    pub fn page_surface(&self, key: &PageKey) -> Result<Option<(HeightBounds, f32)>> {
+        Ok(self.db.page_info(key)?.map(|info| (info.bounds, info.error_m)))
     }
 
     /// The pages that a field has, at all levels, in the order of level, row, column.

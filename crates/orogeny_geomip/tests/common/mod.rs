@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::Mutex;
 
 use glam::DVec3;
-use orogeny_field::{HeightBounds, TerrainGrid, hash};
-use orogeny_geomip::{DrawnTile, MIN_ERROR_GROWTH, Relief, Tile, indices};
+use orogeny_field::{HeightBounds, MIN_ERROR_GROWTH, TerrainGrid, hash};
+use orogeny_geomip::{DrawnTile, Relief, Tile, indices};
 
 /// A level, and beside each sample of full resolution how far its surface is counted to be from the ground there.
 struct Level {

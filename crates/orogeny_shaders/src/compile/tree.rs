@@ -24,7 +24,7 @@ const MAX_BYTES: usize = 16 << 20;
 pub(crate) enum Folder {
     /// `lib/`: functions and types, no bindings.
     Lib,
-    /// `driver/`: bindings and loops that kernels share.
+    /// `driver/`: bindings and loops that kernels share. `scene/`: what all that draws a terrain shares.
     Driver,
     /// One of [`ENTRY_FOLDERS`]: one entry point a file.
     Entry,
@@ -35,7 +35,7 @@ impl Folder {
     pub(crate) fn of(path: &str) -> Option<Self> {
         match path.split_once('/')?.0 {
             "lib" => Some(Self::Lib),
-            "driver" => Some(Self::Driver),
+            "driver" | "scene" => Some(Self::Driver),
             folder => ENTRY_FOLDERS.contains(&folder).then_some(Self::Entry),
         }
     }
@@ -203,7 +203,7 @@ impl SourceTree {
 fn path_error(path: &str) -> Option<String> {
     if Folder::of(path).is_none() {
         let folders = ENTRY_FOLDERS.join(", ");
-        return Some(format!("a shader in no known folder; move it to one of lib, driver, {folders}"));
+        return Some(format!("a shader in no known folder; move it to one of lib, driver, scene, {folders}"));
     }
     let is_snake_case = |part: &str| {
         part.starts_with(|c: char| c.is_ascii_lowercase())

@@ -98,3 +98,8 @@ pub fn assert_whole(store: &Store) {
     let report = store.check().unwrap();
     assert!(report.problems.is_empty(), "{:#?}", report.problems);
 }
+
+/// How far a page's surface is said to be from full resolution; `None` where there is no page.
+pub fn error_of(store: &Store, key: &PageKey) -> Option<f32> {
+    store.page_surface(key).unwrap().map(|(_, error_m)| error_m)
+}

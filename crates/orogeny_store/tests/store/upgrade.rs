@@ -5,7 +5,7 @@ use orogeny_store::{Entry, EntryId, EntryState, Error, Store, format};
 use rusqlite::Connection;
 use rusqlite::types::Value;
 
-use crate::support::{Scratch, assert_whole, bits, contents};
+use crate::support::{Scratch, assert_whole, bits, contents, error_of};
 
 /// What the fixture is: `tests/fixtures/README.md`.
 const VERSION_1: &[u8] = include_bytes!("../fixtures/version-1.orogeny.zst");
@@ -130,9 +130,9 @@ fn a_file_of_version_2_keeps_its_pages_and_gets_the_errors_of_coarse_ones() {
     assert_whole(&store);
     let field = store.layers()[0].heights;
     let coarse = PageKey { field, level: 1, z: 0, x: 0 };
-    let error_m = store.page_error_m(&coarse).unwrap();
+    let error_m = error_of(&store, &coarse);
     assert!(error_m > Some(1.0), "{error_m:?}");
-    assert_eq!(store.page_error_m(&PageKey::full_resolution(field, 1, 0)).unwrap(), Some(0.0));
+    assert_eq!(error_of(&store, &PageKey::full_resolution(field, 1, 0)), Some(0.0));
     let pages = contents(&store, field);
     store.close().unwrap();
     assert_eq!(version(&scratch), format::FORMAT_VERSION);
@@ -140,7 +140,7 @@ fn a_file_of_version_2_keeps_its_pages_and_gets_the_errors_of_coarse_ones() {
     let from_version_1 = version_1();
     let store = upgraded(&from_version_1);
     assert_eq!(contents(&store, field), pages);
-    assert_eq!(store.page_error_m(&coarse).unwrap(), error_m);
+    assert_eq!(error_of(&store, &coarse), error_m);
 }
 
 #[test]
@@ -155,12 +155,12 @@ fn what_is_damaged_in_a_file_of_version_2_stays_so_and_is_mended_as_ever() {
     let coarse = PageKey { field, level: 1, z: 0, x: 0 };
     assert!(store.load_page(&coarse).unwrap().is_some());
     let bounds = store.page_bounds(&coarse).unwrap().unwrap();
-    assert_eq!(store.page_error_m(&coarse).unwrap(), Some(bounds.max_m - bounds.min_m));
+    assert_eq!(error_of(&store, &coarse), Some(bounds.max_m - bounds.min_m));
     store.close().unwrap();
     assert_eq!(Store::repair(&scratch.path()).unwrap().pages_from_history, [damaged]);
     let store = Store::open_to_read(&scratch.path()).unwrap();
     assert_whole(&store);
-    assert!(store.page_error_m(&coarse).unwrap() < Some(bounds.max_m - bounds.min_m));
+    assert!(error_of(&store, &coarse) < Some(bounds.max_m - bounds.min_m));
 }
 
 #[test]

@@ -1,0 +1,281 @@
+//! Pictures of a terrain as it is seen from somewhere, drawn on a GPU or a software driver.
+
+mod flight;
+mod request;
+mod source;
+
+use glam::DVec3;
+use orogeny_field::SampleRect;
+use orogeny_geomip::{
+    Camera, DetailRule, Fog, FrameReport, Light, PagePlace, PageRelief, PageSummaries as _, Renderer, Scene,
+    Sky, Targets,
+};
+use orogeny_gpu::{AdapterChoice, AdapterDescription, Gpu};
+
+pub use flight::Flight;
+pub use request::{HeightAt, Place, ViewRequest};
+
+use self::source::CompositeSource;
+use crate::composite::Source;
+use crate::picture::{MAX_SIDE_PX, Picture};
+use crate::{Adapter, Error, Observer, Result, Settings, Terrain};
+
+/// Bytes of pages for each pixel of a picture: pages of one sample a pixel, those above them, and as much again for what a pixel's width leaves unused.
+const PAGE_BYTES_A_PIXEL: u64 = 64;
+/// What pages may take for a small picture.
+const MIN_PAGE_BYTES: u64 = 64 << 20;
+
+/// Pages that are read between two looks at the pages wanted.
+const PAGES_AT_ONCE: usize = 64;
+
+/// How far the whole terrain is looked at from above: the tangent.
+const OVERVIEW_TANGENT: f64 = 0.62;
+
+/// Eyes beyond this lose their precision, metres.
+const MAX_PLACE_M: f64 = 1.0e8;
+
+/// Draws pictures of one size of one terrain, which does not change meanwhile.
+pub struct View<'a> {
+    terrain: &'a Terrain,
+    source: CompositeSource<'a>,
+    gpu: Gpu,
+    renderer: Renderer,
+    targets: Targets,
+    size_px: [u32; 2],
+}
+
+/// What a picture was drawn from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// The picture.
+    pub picture: Picture,
+    /// Where the eye was: metres to the east, up, to the south.
+    pub eye_m: [f64; 3],
+    /// What it looked at.
+    pub target_m: [f64; 3],
+    /// What it consisted of.
+    pub report: FrameReport,
+}
+
+impl Terrain {
+    /// Prepares to draw pictures of so many pixels.
+    ///
+    /// # Errors
+    /// [`Error::PictureSize`]; [`Error::Gpu`] when there is nothing that could draw; [`Error::Store`].
+    pub fn view(&self, size_px: [u32; 2]) -> Result<View<'_>> {
+        let [width, height] = size_px;
+        if !(1..=MAX_SIDE_PX).contains(&width) || !(1..=MAX_SIDE_PX).contains(&height) {
+            return Err(Error::PictureSize { width, height, limit: MAX_SIDE_PX });
+        }
+        let store = self.settled()?;
+        let gpu = drawing_gpu(self.settings())?;
+        let pages = (u64::from(width) * u64::from(height) * PAGE_BYTES_A_PIXEL).max(MIN_PAGE_BYTES);
+        let budget = pages.min(self.settings().page_budget_in_bytes);
+        let renderer = Renderer::new(&gpu, self.grid(), store.layout(), self.unpainted_height_m()?, budget)?;
+        let targets = Targets::new(&gpu, size_px)?;
+        Ok(View { terrain: self, source: CompositeSource::new(store), gpu, renderer, targets, size_px })
+    }
+}
+
+/// What draws: the adapter that was asked for; where that calculates on the CPU, the best there is.
+fn drawing_gpu(settings: &Settings) -> Result<Gpu> {
+    let best = || Gpu::open(&AdapterChoice::RealGpu).or_else(|_| Gpu::open(&AdapterChoice::Software));
+    Ok(match &settings.adapter {
+        Adapter::Auto | Adapter::Cpu => best()?,
+        Adapter::Software => Gpu::open(&AdapterChoice::Software)?,
+        Adapter::Named(name) => Gpu::open(&AdapterChoice::Named(name.clone()))?,
+    })
+}
+
+impl View<'_> {
+    /// Draws a picture, once all pages that it wants are there. Of a request its size is not looked at: it is the view's.
+    ///
+    /// # Errors
+    /// [`Error::View`] for values out of range; [`Error::Store`], [`Error::Gpu`]; [`Error::Cancelled`] by the observer.
+    pub fn draw(&mut self, request: &ViewRequest, observer: &mut dyn Observer) -> Result<Drawn> {
+        request.check()?;
+        let (eye_m, target_m) = self.places(request)?;
+        let camera = Camera::looking_at(eye_m, target_m, request.fov_degrees.to_radians(), self.size_px);
+        let scene = self.scene(request);
+        let (grid, layout) = (self.terrain.grid(), self.terrain.store()?.layout());
+        let _unchanging = self.terrain.settled()?.snapshot()?;
+        let relief = PageRelief::new(grid, layout, &self.source);
+        let missing = self.renderer.want(&camera, &scene, &relief);
+        let total = missing.len() as u64;
+        for (chunk, done) in missing.chunks(PAGES_AT_ONCE).zip((0_u64..).step_by(PAGES_AT_ONCE)) {
+            crate::progress::report(observer, "reading", done, total)?;
+            for place in chunk {
+                self.renderer.upload(*place, &self.source.page(*place)?, None)?;
+            }
+            // So that copies do not pile up.
+            self.gpu.queue().submit([]);
+            self.gpu.wait()?;
+        }
+        crate::progress::report(observer, "drawing", 0, 1)?;
+        let report = self.renderer.draw(&camera, &scene, &relief, &self.targets)?;
+        let pixels = self.targets.read(&self.gpu)?;
+        self.gpu.check()?;
+        let rgb = pixels
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .flat_map(|[red, green, blue, _]| [*red, *green, *blue])
+            .collect();
+        let [width_px, height_px] = self.size_px;
+        let picture = Picture { width_px, height_px, rgb };
+        Ok(Drawn { picture, eye_m: eye_m.to_array(), target_m: target_m.to_array(), report })
+    }
+
+    /// What draws, for people.
+    #[must_use]
+    pub const fn adapter(&self) -> &AdapterDescription {
+        self.gpu.description()
+    }
+
+    /// Lowest and highest height of the terrain.
+    fn range_m(&self) -> [f32; 2] {
+        let summary = self.source.summary(PagePlace::root(&self.terrain.grid(), self.source.layout()));
+        [summary.bounds.min_m, summary.bounds.max_m]
+    }
+
+    /// The eye, and what it looks at.
+    fn places(&self, request: &ViewRequest) -> Result<(DVec3, DVec3)> {
+        let grid = self.terrain.grid();
+        let along = |num: u32| f64::from(num - 1) * grid.spacing_m();
+        let [width_m, depth_m] = [along(grid.width()), along(grid.depth())];
+        let [low_m, high_m] = self.range_m().map(f64::from);
+        let middle = DVec3::new(width_m / 2.0, f64::midpoint(low_m, high_m), depth_m / 2.0);
+        let target = request.target.map(|place| self.place(&place)).transpose()?.unwrap_or(middle);
+        let eye = match &request.eye {
+            Some(place) => self.place(place)?,
+            None => {
+                // So far off that a ball around the terrain fills the picture's smaller side.
+                let radius_m = DVec3::new(width_m, high_m - low_m, depth_m).length() / 2.0;
+                let [width, height] = self.size_px.map(f64::from);
+                let half = (request.fov_degrees.to_radians() / 2.0).tan() * (width / height).min(1.0);
+                let distance_m = (0.8 * radius_m / half.atan().sin()).max(10.0 * grid.spacing_m());
+                target + DVec3::new(-0.45, OVERVIEW_TANGENT, 0.89).normalize() * distance_m
+            }
+        };
+        Ok((eye, target))
+    }
+
+    fn place(&self, Place { x_m, height, z_m }: &Place) -> Result<DVec3> {
+        let height_m = match height {
+            HeightAt::Absolute(height_m) => *height_m,
+            HeightAt::AboveGround(above_m) => f64::from(self.ground_m([*x_m, *z_m])?) + above_m,
+        };
+        let place = DVec3::new(*x_m, height_m, *z_m);
+        if place.abs().max_element() <= MAX_PLACE_M {
+            Ok(place)
+        } else {
+            Err(view_error(
+                "a place to look from or at",
+                place.abs().max_element(),
+                [-MAX_PLACE_M, MAX_PLACE_M],
+            ))
+        }
+    }
+
+    /// The ground's height between samples; beyond the border that of the border.
+    fn ground_m(&self, place_m: [f64; 2]) -> Result<f32> {
+        let bounds = self.terrain.grid().bounds();
+        let [x, z] = self.terrain.grid().sample_from_world(place_m);
+        let (x, z) = (x.clamp(0.0, f64::from(bounds.x1 - 1)), z.clamp(0.0, f64::from(bounds.z1 - 1)));
+        let (x0, z0) = (x.floor() as i32, z.floor() as i32);
+        let rect = SampleRect::new(x0, z0, (x0 + 2).min(bounds.x1), (z0 + 2).min(bounds.z1));
+        let mut heights = vec![0.0; (rect.width() * rect.depth()) as usize];
+        self.terrain.composite(Source::Composite, 0, rect)?.read_rows(&mut heights)?;
+        let at = |dx: u32, dz: u32| {
+            let place = dz.min(rect.depth() - 1) * rect.width() + dx.min(rect.width() - 1);
+            heights.get(place as usize).copied().unwrap_or_default()
+        };
+        let (fx, fz) = ((x - f64::from(x0)) as f32, (z - f64::from(z0)) as f32);
+        let north = at(0, 0) + fx * (at(1, 0) - at(0, 0));
+        let south = at(0, 1) + fx * (at(1, 1) - at(0, 1));
+        Ok(north + fz * (south - north))
+    }
+
+    fn scene(&self, request: &ViewRequest) -> Scene {
+        let range_m = request.range_m.unwrap_or_else(|| self.range_m());
+        let span_m = (range_m[1] - range_m[0]).max(1.0e-3);
+        Scene {
+            mode: request.mode,
+            detail: DetailRule { metric: request.metric, max_error_px: request.max_error_px },
+            sky: Sky::new(request.sun_azimuth_degrees, request.sun_altitude_degrees, request.haze),
+            light: Light {
+                slope_exaggeration: request.slope_exaggeration,
+                exposure: Light::default().exposure * request.exposure_stops.exp2(),
+                has_shadows: request.has_shadows,
+                ..Light::default()
+            },
+            // As the sky's haze is: 1/m, and 1,200 m to 1/e of it.
+            fog: Fog {
+                density: (8.4e-6 * request.haze + 1.2e-5) as f32,
+                falloff: 1.0 / 2_500.0,
+                base_m: range_m[0],
+            },
+            water_level_m: request.water_level_m,
+            range_m,
+            contour_m: request.contour_m.unwrap_or_else(|| round_step(span_m / 25.0)),
+            overlay_range: [0.0, 1.0],
+            cursors: Vec::new(),
+        }
+    }
+}
+
+/// 1, 2 or 5 times a power of ten, the next above.
+fn round_step(step: f32) -> f32 {
+    let power = 10.0_f32.powf(step.log10().floor());
+    let times = [1.0, 2.0, 5.0].into_iter().find(|times| times * power >= step * 0.999);
+    times.unwrap_or(10.0) * power
+}
+
+fn view_error(what: &'static str, value: f64, [low, high]: [f64; 2]) -> Error {
+    Error::View { what, value, low, high }
+}
+
+impl ViewRequest {
+    /// Whether all numbers are within their ranges.
+    ///
+    /// # Errors
+    /// [`Error::View`] for the first that is not.
+    pub fn check(&self) -> Result<()> {
+        let ranges = [
+            ("the field of view (degrees)", self.fov_degrees, [1.0, 150.0]),
+            ("the sun's azimuth (degrees)", self.sun_azimuth_degrees, [-360.0, 720.0]),
+            ("the sun's altitude (degrees)", self.sun_altitude_degrees, [-5.0, 90.0]),
+            ("the haze", self.haze, [0.0, 20.0]),
+            ("the exaggeration of slopes", f64::from(self.slope_exaggeration), [0.0, 100.0]),
+            ("the exposure (stops)", f64::from(self.exposure_stops), [-20.0, 20.0]),
+            ("the error in pixels", self.max_error_px, [0.1, 100.0]),
+            ("the step of contour lines (m)", f64::from(self.contour_m.unwrap_or(1.0)), [1.0e-4, 1.0e7]),
+            ("the water's level (m)", f64::from(self.water_level_m.unwrap_or(0.0)), [-1.0e7, 1.0e7]),
+        ];
+        match ranges.into_iter().find(|(_, value, [low, high])| !(*low..=*high).contains(value)) {
+            Some((what, value, range)) => Err(view_error(what, value, range)),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_round() {
+        let steps = [0.3, 1.0, 1.1, 37.0, 90.0, 230.0].map(round_step);
+        assert_eq!(steps, [0.5, 1.0, 2.0, 50.0, 100.0, 500.0]);
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_named() {
+        ViewRequest::default().check().unwrap();
+        let too_high = ViewRequest { sun_altitude_degrees: 91.0, ..ViewRequest::default() };
+        let err = too_high.check().unwrap_err().to_string();
+        assert!(err.contains("altitude") && err.contains("91") && err.contains("-5 to 90"), "{err}");
+        let nothing = ViewRequest { haze: f64::NAN, ..ViewRequest::default() };
+        assert!(nothing.check().unwrap_err().to_string().contains("haze"));
+    }
+}

@@ -1,0 +1,74 @@
+//! The slots of pages that pictures are drawn from: squares of a texture array.
+
+use orogeny_field::{Page, PageLayout};
+use orogeny_gpu::{Gpu, Result};
+
+/// Samples a side of a layer: 8 x 8 pages of 256.
+const LAYER_SIDE: u32 = 2048;
+
+/// One value a sample, in as many slots as fit a budget.
+#[derive(Debug)]
+pub(super) struct PageTexture {
+    texture: wgpu::Texture,
+    layout: PageLayout,
+    num_slots: u32,
+}
+
+impl PageTexture {
+    /// With room for `num_slots` pages, rounded down to whole layers, but at least one. `label` is for debuggers.
+    pub(super) fn new(gpu: &Gpu, label: &str, layout: PageLayout, num_slots: u32) -> Result<Self> {
+        let slots_a_side = Self::slots_a_side(layout);
+        let slots_a_layer = slots_a_side * slots_a_side;
+        let num_layers = (num_slots / slots_a_layer).clamp(1, gpu.device().limits().max_texture_array_layers);
+        let side = slots_a_side * layout.size();
+        let texture = gpu.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: num_layers },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::R32Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })?;
+        Ok(Self { texture, layout, num_slots: num_layers * slots_a_layer })
+    }
+
+    /// Pages a side of a layer, a power of two.
+    pub(super) fn slots_a_side(layout: PageLayout) -> u32 {
+        (LAYER_SIDE / layout.size()).max(1)
+    }
+
+    pub(super) const fn num_slots(&self) -> u32 {
+        self.num_slots
+    }
+
+    pub(super) fn view(&self) -> wgpu::TextureView {
+        self.texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..wgpu::TextureViewDescriptor::default()
+        })
+    }
+
+    /// Copies a page into a slot, before whatever is submitted next.
+    pub(super) fn write(&self, gpu: &Gpu, slot: u32, page: &Page) {
+        let (size, slots_a_side) = (self.layout.size(), Self::slots_a_side(self.layout));
+        let slots_a_layer = slots_a_side * slots_a_side;
+        let cell = slot % slots_a_layer;
+        gpu.queue().write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture: &self.texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d {
+                    x: cell % slots_a_side * size,
+                    y: cell / slots_a_side * size,
+                    z: slot / slots_a_layer,
+                },
+                aspect: wgpu::TextureAspect::All,
+            },
+            bytemuck::cast_slice(page.samples()),
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size * 4), rows_per_image: None },
+            wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
+        );
+    }
+}

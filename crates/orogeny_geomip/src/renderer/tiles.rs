@@ -1,0 +1,92 @@
+//! Which tiles each pass of a frame draws: one list for the picture, one for each shadow map, all in one buffer.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use orogeny_field::TerrainGrid;
+
+use super::uniforms::TileInstance;
+use crate::{Bounds, Camera, Cascade, DrawnTile, Frustum, PageRelief, PageSummaries};
+
+/// A tile with the box that it is drawn in.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placed {
+    pub(super) drawn: DrawnTile,
+    pub(super) bounds: Bounds,
+}
+
+/// Tiles of one step, which one call draws.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Batch {
+    pub(super) step: u32,
+    /// In the buffer of instances.
+    pub(super) instances: Range<u32>,
+}
+
+/// What is in the buffer of instances.
+#[derive(Debug, Default)]
+pub(super) struct Lists {
+    pub(super) instances: Vec<TileInstance>,
+}
+
+impl Lists {
+    /// Appends the tiles of one pass, by their steps.
+    pub(super) fn append<'a>(&mut self, tiles: impl Iterator<Item = &'a Placed>) -> Vec<Batch> {
+        let mut by_step: BTreeMap<u32, Vec<TileInstance>> = BTreeMap::new();
+        for placed in tiles {
+            by_step.entry(placed.drawn.step()).or_default().push((&placed.drawn).into());
+        }
+        by_step
+            .into_iter()
+            .map(|(step, tiles)| {
+                let first = self.instances.len() as u32;
+                self.instances.extend(tiles);
+                Batch { step, instances: first..self.instances.len() as u32 }
+            })
+            .collect()
+    }
+}
+
+/// All tiles with their boxes. A coarse surface stays between the heights of a tile's ring.
+pub(super) fn placed<S: PageSummaries>(
+    drawn: &[DrawnTile],
+    grid: &TerrainGrid,
+    relief: &PageRelief<'_, S>,
+) -> Vec<Placed> {
+    drawn
+        .iter()
+        .filter_map(|drawn| {
+            let heights = relief.tile_bounds(drawn.tile);
+            let bounds = Bounds::of_samples(drawn.tile.samples(grid)?, heights, grid.spacing_m());
+            Some(Placed { drawn: *drawn, bounds })
+        })
+        .collect()
+}
+
+/// Of these, what the picture shows.
+pub(super) fn in_sight<'a>(tiles: &'a [Placed], camera: &Camera) -> Vec<&'a Placed> {
+    let frustum = Frustum::of(camera);
+    tiles.iter().filter(|placed| frustum.may_show(&placed.bounds)).collect()
+}
+
+/// Of these, what may throw a shadow that a map holds.
+pub(super) fn in_map<'a>(
+    tiles: &'a [Placed],
+    cascade: &Cascade,
+    camera: &Camera,
+    to_sun: glam::DVec3,
+) -> impl Iterator<Item = &'a Placed> {
+    let (cascade, eye_m) = (*cascade, camera.eye_m());
+    tiles.iter().filter(move |placed| cascade.may_hold(&placed.bounds, eye_m, to_sun))
+}
+
+/// The nearest and the furthest distance of what is in sight, metres.
+pub(super) fn depth_range(tiles: &[&Placed], camera: &Camera) -> [f64; 2] {
+    let eye_m = camera.eye_m();
+    let nearest = tiles.iter().map(|placed| placed.bounds.distance_m(eye_m)).fold(f64::INFINITY, f64::min);
+    let furthest = tiles.iter().map(|placed| {
+        let (min, max) = ((placed.bounds.min_m - eye_m).abs(), (placed.bounds.max_m - eye_m).abs());
+        min.max(max).length()
+    });
+    [nearest.min(1.0e7), furthest.fold(1.0, f64::max)]
+}

@@ -1,0 +1,31 @@
+// Brushes' rings on the ground, and how strongly they act within; and the level whose samples are as wide as pixels.
+#include "scene/ground.wgsl"
+
+const RING: vec3<f32> = vec3<f32>(1.0, 0.75, 0.15);
+
+fn with_cursors(colour: vec3<f32>, relative: vec3<f32>) -> vec3<f32> {
+    var drawn = colour;
+    let metre_px = frame.sample_px / max(length(relative), 1.0e-3);
+    for (var k = 0u; k < frame.num_cursors; k++) {
+        let cursor = frame.cursors[k];
+        let away_m = length(relative.xz - cursor.xy);
+        if away_m < cursor.z + 4.0 / metre_px {
+            let inner = cursor.z * cursor.w;
+            let fade = clamp((away_m - inner) / max(cursor.z - inner, 1.0e-6), 0.0, 1.0);
+            let strength = 1.0 - fade * fade * (3.0 - 2.0 * fade);
+            drawn += 0.18 * strength * (RING - drawn);
+            let ring = clamp(1.6 - abs(away_m - cursor.z) * metre_px, 0.0, 1.0);
+            drawn += ring * (RING - drawn);
+        }
+    }
+    return drawn;
+}
+
+// From how far a place moves from pixel to pixel, across the line of sight; along it up to four times as far. In uniform control flow only.
+fn sample_level(place: vec2<f32>) -> f32 {
+    let across = length(dpdx(place));
+    let along = length(dpdy(place));
+    let widest = max(across, along);
+    let level = log2(max(max(min(across, along), 0.25 * widest), 1.0e-6));
+    return clamp(level, 0.0, f32(frame.top_level));
+}
