@@ -24,7 +24,9 @@
 mod camera;
 mod culling;
 mod detail;
+mod error;
 mod lattice;
+pub mod material;
 mod picking;
 mod selection;
 mod tile;
@@ -32,6 +34,7 @@ mod tile;
 pub use camera::{Camera, MIN_NEAR_M};
 pub use culling::{Bounds, Frustum};
 pub use detail::{DetailRule, MIN_ERROR_GROWTH, Metric, Relief};
+pub use error::{Error, Result};
 pub use lattice::{DrawnTile, RIM_PARTS, indices};
 pub use picking::{Ground, Ray, pick};
 pub use selection::{select, with_rims};

@@ -1,0 +1,3 @@
+//! Materials.
+mod surface;
+pub use surface::*;
