@@ -17,6 +17,10 @@
 //! along the rim, whatever their details: the finer tile's further ones fall together with their neighbours, and the
 //! triangles between them have no area.
 //!
+//! # What the ground looks like
+//!
+//! [`material`]: sets of layers with rules of height, slope, curvature, noise and masks, and the surfaces that they show.
+//!
 //! # Axes
 //!
 //! x to the east, z to the south, y up, metres; sample `(0, 0)` is the origin. Right-handed.

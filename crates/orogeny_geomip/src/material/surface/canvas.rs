@@ -57,6 +57,12 @@ impl Plane {
         Self { size: size as usize, values }
     }
 
+    /// Values a side.
+    pub(super) const fn size(&self) -> u32 {
+        // Made from a `u32`.
+        self.size as u32
+    }
+
     pub(super) fn values(&self) -> &[f32] {
         &self.values
     }

@@ -21,7 +21,7 @@ pub(super) fn finish(surface: Surface, canvas: Canvas, texels: Vec<Texel>, tint:
     let traits = surface.traits();
     let size = canvas.size;
     let heights = Plane::new(size, texels.iter().map(|texel| texel.height).collect());
-    let relief = unit_heights(&evened(heights, size / EVEN_SHARE, traits.evenness));
+    let relief = unit_heights(&evened(&heights, size / EVEN_SHARE, traits.evenness));
     let cavity = cavities(&relief, size, traits.relief);
     let colours = colours(&texels, &cavity, size, traits.evenness, traits.luminance, tint);
 
@@ -49,15 +49,10 @@ pub(super) fn finish(surface: Surface, canvas: Canvas, texels: Vec<Texel>, tint:
 }
 
 /// A plane less a share of what is larger than `radius` texels.
-fn evened(plane: Plane, radius: u32, share: f32) -> Plane {
+fn evened(plane: &Plane, radius: u32, share: f32) -> Plane {
     let (mean, large) = (plane.mean(), plane.blurred(radius));
-    let size = radius_free_size(&plane);
     let values = plane.values().iter().zip(large.values());
-    Plane::new(size, values.map(|(value, large)| value - share * (large - mean)).collect())
-}
-
-fn radius_free_size(plane: &Plane) -> u32 {
-    plane.values().len().isqrt() as u32
+    Plane::new(plane.size(), values.map(|(value, large)| value - share * (large - mean)).collect())
 }
 
 /// Heights as [`Surface::relief`] counts them: the mean at 0.5, and not kept to 0..1.
@@ -72,7 +67,7 @@ fn unit_heights(plane: &Plane) -> Plane {
 ///
 /// By central differences; x to the east (with the columns), y to the south (with the rows).
 pub(super) fn normal_at(heights: &Plane, x: i32, z: i32, relief: f32) -> Vec2 {
-    let per_tile = 0.5 * radius_free_size(heights) as f32 * relief;
+    let per_tile = 0.5 * heights.size() as f32 * relief;
     let slope =
         vec2(heights.at(x - 1, z) - heights.at(x + 1, z), heights.at(x, z - 1) - heights.at(x, z + 1))
             * per_tile;

@@ -35,11 +35,10 @@ impl SurfaceTexture {
     #[must_use]
     pub fn mips(&self) -> Vec<Self> {
         let mut size = self.size;
-        let mut level: Vec<Sums> = self
-            .albedo_height
-            .par_chunks_exact(4)
-            .zip(self.normal_roughness.par_chunks_exact(4))
-            .map(|(albedo_height, normal_roughness)| Sums::read(albedo_height, normal_roughness))
+        let texels = self.albedo_height.as_chunks::<4>().0.par_iter();
+        let mut level: Vec<Sums> = texels
+            .zip(self.normal_roughness.as_chunks::<4>().0)
+            .map(|(albedo_height, normal_roughness)| Sums::read(*albedo_height, *normal_roughness))
             .collect();
         let mut mips = Vec::new();
         while size > 1 {
@@ -56,18 +55,10 @@ impl SurfaceTexture {
 }
 
 impl Sums {
-    fn read(albedo_height: &[u8], normal_roughness: &[u8]) -> Self {
-        let (mut albedo, mut normal) = ([0; 4], [0; 4]);
-        for (target, source) in albedo.iter_mut().zip(albedo_height) {
-            *target = *source;
-        }
-        for (target, source) in normal.iter_mut().zip(normal_roughness) {
-            *target = *source;
-        }
-        let [red, green, blue, height] = albedo;
+    fn read([red, green, blue, height]: [u8; 4], normal_roughness: [u8; 4]) -> Self {
         let linear = |value: u8| LINEAR.get(usize::from(value)).copied().unwrap_or_default();
         let unit = |value: u8| f32::from(value) / 255.0;
-        let [x, y, roughness, openness] = normal.map(unit);
+        let [x, y, roughness, openness] = normal_roughness.map(unit);
         let (x, y) = (2.0 * x - 1.0, 2.0 * y - 1.0);
         let z = (1.0 - x * x - y * y).max(0.0).sqrt();
         Self {

@@ -27,7 +27,8 @@ pub struct SurfaceTexture {
 impl SurfaceTexture {
     /// Works a surface out. Textures of two seeds are alike but not the same. `tint` multiplies the albedo in linear light.
     ///
-    /// The same values give the same bytes, however many threads there are.
+    /// The same values give the same bytes on one machine, however many threads there are; another one's powers and sines may differ in
+    /// the last bit.
     ///
     /// # Errors
     /// [`Error::SurfaceSize`] for a size that is no power of two within [`MIN_SURFACE_SIZE`]`..=`[`MAX_SURFACE_SIZE`].

@@ -87,7 +87,7 @@ fn twigs(canvas: &Canvas) -> Vec<Hit> {
     strew(canvas, &stamps, |stamp, on| {
         let bend = 0.55 * (2.0 * on.x + 6.0 * random(stamp.id, 9)).sin();
         let across = (on.y - bend) / 0.45;
-        (across.abs() < 0.9 - 0.35 * on.x.abs()).then(|| 0.3 * (1.0 - across * across))
+        (across.abs() < 0.9 - 0.35 * on.x.abs()).then_some(0.3 * (1.0 - across * across))
     })
 }
 
@@ -121,9 +121,10 @@ pub(super) fn moss(canvas: &Canvas) -> Vec<Texel> {
         colour = colour.lerp(ramp(&reds, 0.5 + fine), 0.75 * red);
         let tufts = cells(led, [28, 28], canvas.seed(8));
         let many = smooth(0.45, 0.85, 0.5 + 0.5 * fbm(place, 5, 3, canvas.seed(9)));
-        let tuft = smooth(0.75, 0.1, tufts.nearest + 0.35 * fine)
+        let tuft = smooth(0.5, 0.12, tufts.nearest + 0.25 * fine)
+            * smooth(0.0, 0.14, tufts.border())
             * smooth(1.0 - 0.85 * many, 1.05 - 0.85 * many, tufts.random(1));
         colour = colour.lerp(ramp(&greys, 0.5 + 0.8 * fine), 0.75 * tuft);
-        Texel { height: height + 0.3 * tuft * (1.0 + fine), colour, roughness: 0.93 - 0.06 * star }
+        Texel { height: height + 0.2 * tuft * (1.0 + fine), colour, roughness: 0.93 - 0.06 * star }
     })
 }

@@ -76,7 +76,7 @@ fn flowers(canvas: &Canvas) -> Vec<Hit> {
         let radius = on.length();
         // Five petals.
         let petals = 0.78 + 0.22 * (5.0 * on.y.atan2(on.x)).cos();
-        (radius < petals).then(|| 1.0 - 0.4 * radius)
+        (radius < petals).then_some(1.0 - 0.4 * radius)
     })
 }
 
@@ -103,10 +103,9 @@ impl Lawn {
             let bend = (random(stamp.id, 8) - 0.5) * 1.1;
             let across = (on.y - bend * (way * way - 0.4)) / 0.5;
             let width = (1.0 - way * way * way).max(0.0);
-            (across.abs() <= width.max(0.15)).then(|| {
-                // It rises from the root, then bows.
-                0.9 * way * (1.5 - 0.6 * way) - 0.18 * across * across
-            })
+            // It rises from the root, then bows.
+            let height = 0.9 * way * (1.5 - 0.6 * way) - 0.18 * across * across;
+            (across.abs() <= width.max(0.15)).then_some(height)
         })
     }
 

@@ -69,7 +69,7 @@ fn broken(stamp: &Stamp, on: Vec2) -> Option<f32> {
         let steep = 1.2 + 3.5 * random(stamp.id, 50 + side);
         height = height.min(steep * (reach - Vec2::from_angle(turn).dot(on)));
     }
-    (height > 0.0).then(|| height * stamp.half.y * 1.3)
+    (height > 0.0).then_some(height * stamp.half.y * 1.3)
 }
 
 /// Stones with ground between them. `broken` 1 roughens their faces, 0 leaves them smooth.
