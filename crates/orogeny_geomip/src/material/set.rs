@@ -48,7 +48,7 @@ impl Default for MacroVariation {
 }
 
 const fn default_blend_depth() -> f64 {
-    0.35
+    0.2
 }
 
 const fn default_blend_contrast() -> f64 {

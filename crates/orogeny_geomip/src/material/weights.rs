@@ -1,20 +1,18 @@
 //! How much each layer shows at a place. A shader must agree with this.
 //!
-//! All of it is `f32` arithmetic with neither transcendental functions nor branches but the choice of the greatest.
+//! All of it is `f32` arithmetic with neither transcendental functions nor branches.
 //!
 //! 1. A layer's *rule* is the product of its ramps of height, slope and curvature, and its mask: `r`. A layer whose rule is 0 has no weight.
 //! 2. Noise `n` of -1..1 moves its borders where it fades: `r' = clamp(r + amount n 4 r (1 - r), 0, 1)`.
 //! 3. Its *cover* is `w = strength · patch(n) · r'`. That of the base is 1.
 //! 4. Each layer covers those before it by `w`: `c_i = w_i Π_{j>i} (1 - w_j)`. These sum to 1, and the last has priority.
-//! 5. Reliefs of heights `h` reach through each other: `s_i = c_i + h_i min(1, 4 c_i)`, `b_i = c_i max(0, s_i - max_j s_j + blend_depth)`,
-//!    normalised. The `min` leaves a layer that has next to no cover no say in how high the others must be: without it weights
-//!    would jump where a layer begins.
+//! 5. Reliefs of heights `h` reach through each other. `H = Σ c_j h_j` is the height of the whole;
+//!    `b_i = c_i max(0, 1 + (h_i - H) / blend_depth)`, divided by their sum, which is 1 or more. What is higher than the whole gains. Where
+//!    reliefs are alike, as far away, `b_i` is `c_i`, so that borders there are as soft as rules make them. Unlike a blend that looks for the
+//!    highest layer, it does not jump where a layer begins.
 //! 6. Weights are `c_i + blend_contrast (b_i - c_i)`.
 
 use super::{LayerRule, MAX_LAYERS, SetRule};
-
-/// The cover from which on a layer's relief counts in full, inverted.
-const PER_FULL_RELIEF: f32 = 4.0;
 
 /// The ground at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +75,7 @@ impl LayerRule {
 /// 2. `r'_i = clamp(r_i + amount_i n_i 4 r_i (1 - r_i), 0, 1)`, with its noise `n_i`.
 /// 3. `w_i = strength_i · smooth((n_i - patch_i) · per_patch_i) · r'_i`; `w_0 = 1` for the base.
 /// 4. `c_i = w_i Π_{j>i} (1 - w_j)`.
-/// 5. `s_i = c_i + h_i min(1, 4 c_i)`; `b_i = c_i max(0, s_i - max_j s_j + blend_depth)`, divided by their sum.
+/// 5. `b_i = c_i max(0, 1 + (h_i - H) / blend_depth)` with `H = Σ c_j h_j`, divided by their sum.
 /// 6. `c_i + blend_contrast (b_i - c_i)`.
 ///
 /// A layer without an input has the default one; those beyond [`MAX_LAYERS`] are left out.
@@ -101,22 +99,19 @@ pub fn weights(
         left *= 1.0 - cover;
     }
 
-    let input = |index: usize| inputs.get(index).copied().unwrap_or_default();
-    let mut tops = [0.0_f32; MAX_LAYERS];
-    let mut highest = 0.0_f32;
-    for (index, (top, weight)) in tops.iter_mut().zip(&weights).enumerate() {
-        let relief = input(index).texture_height.clamp(0.0, 1.0);
-        *top = weight + relief * (PER_FULL_RELIEF * weight).min(1.0);
-        highest = highest.max(*top);
-    }
+    let heights: [f32; MAX_LAYERS] = std::array::from_fn(|index| {
+        inputs.get(index).copied().unwrap_or_default().texture_height.clamp(0.0, 1.0)
+    });
+    let whole: f32 = weights.iter().zip(heights).map(|(weight, height)| weight * height).sum();
+    let mut blended = [0.0_f32; MAX_LAYERS];
     let mut sum = 0.0;
-    for (top, weight) in tops.iter_mut().zip(&weights) {
-        *top = weight * (*top - highest + set.blend_depth).max(0.0);
-        sum += *top;
+    for (blended, (weight, height)) in blended.iter_mut().zip(weights.iter().zip(heights)) {
+        *blended = weight * (1.0 + (height - whole) / set.blend_depth).max(0.0);
+        sum += *blended;
     }
-    // The highest has cover and blend_depth above it, so that the sum is above 0 wherever there is a layer.
+    // Without the `max` the sum would be 1: there is something to divide by wherever there is a layer.
     let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-    for (weight, blended) in weights.iter_mut().zip(tops) {
+    for (weight, blended) in weights.iter_mut().zip(blended) {
         *weight += set.blend_contrast * (blended * share - *weight);
     }
     weights

@@ -2,11 +2,13 @@
 //!
 //! Places `u`, `v` are in tiles: 0..1 is one tile, and any place beyond it is that place in the next one.
 
-use glam::{Vec2, vec2};
+use glam::{Vec2, Vec4, vec2, vec4};
 use orogeny_field::hash::{bits_to_uniform, hash};
 
 /// So that values mostly keep within ±1: found by trial.
 const GRADIENT_SCALE: f32 = 2.3;
+/// How wide a cell's rim is in which no point of cellular noise lies, in cells.
+const RIM: f32 = 0.05;
 
 /// The whole number below; the standard one is a call where the processor's baseline lacks the instruction.
 #[inline(always)]
@@ -20,7 +22,7 @@ fn floor(value: f32) -> i32 {
 fn cell(place: f32, period: u32) -> (u32, f32) {
     let scaled = (place - floor(place) as f32) * period as f32;
     // A place just below 0 is rounded to 1.
-    let cell = (scaled as u32).min(period - 1);
+    let cell = (scaled as i32 as u32).min(period - 1);
     (cell, scaled - cell as f32)
 }
 
@@ -47,18 +49,18 @@ const fn half_bits(cell: u32, factor: u32) -> u32 {
     (cell + 1).wrapping_mul(factor)
 }
 
-/// The product of a lattice point's random gradient with the way from it.
+/// Random gradients of four lattice points, by their bits: ±32768 along u and v.
 ///
 /// A texel asks for some two hundred of them: [`hash`] with its six products would be most of the work. One xor-multiply round
 /// (after MurmurHash3's finaliser) does, where the sum of many is looked at.
 #[inline(always)]
-fn gradient(bits: u32, way: Vec2) -> f32 {
-    let bits = (bits ^ (bits >> 15)).wrapping_mul(0x2c1b_3c6d);
-    let bits = bits ^ (bits >> 16);
-    // To ±32768 with the sign kept by the casts.
-    let x = f32::from(bits as u16 as i16);
-    let y = f32::from((bits >> 16) as u16 as i16);
-    x * way.x + y * way.y
+fn gradients(bits: [u32; 4]) -> (Vec4, Vec4) {
+    let bits = bits.map(|bits| (bits ^ (bits >> 15)).wrapping_mul(0x2c1b_3c6d));
+    let bits = bits.map(|bits| bits ^ (bits >> 16));
+    // The shifts keep the sign.
+    let x = bits.map(|bits| ((bits as i32) << 16 >> 16) as f32);
+    let y = bits.map(|bits| (bits as i32 >> 16) as f32);
+    (Vec4::from_array(x), Vec4::from_array(y))
 }
 
 /// Gradient noise (Perlin, "Improving Noise", 2002) of `periods` cells a tile along u and v: about -1..1.
@@ -71,10 +73,11 @@ pub(super) fn gradient_noise(place: Vec2, periods: [u32; 2], seed: u32) -> f32 {
     let (x0, x1) = (half_bits(x, 0x85eb_ca6b), half_bits(after(x, across), 0x85eb_ca6b));
     let (y0, y1) = (half_bits(y, 0xc2b2_ae35) ^ seed, half_bits(after(y, down), 0xc2b2_ae35) ^ seed);
     let (tx, ty) = (fade(fx), fade(fy));
-    let top_left = gradient(x0 ^ y0, vec2(fx, fy));
-    let top_right = gradient(x1 ^ y0, vec2(fx - 1.0, fy));
-    let bottom_left = gradient(x0 ^ y1, vec2(fx, fy - 1.0));
-    let bottom_right = gradient(x1 ^ y1, vec2(fx - 1.0, fy - 1.0));
+    // The four corners side by side: left and right above, left and right below.
+    let (gradient_x, gradient_y) = gradients([x0 ^ y0, x1 ^ y0, x0 ^ y1, x1 ^ y1]);
+    let products =
+        gradient_x * vec4(fx, fx - 1.0, fx, fx - 1.0) + gradient_y * vec4(fy, fy, fy - 1.0, fy - 1.0);
+    let [top_left, top_right, bottom_left, bottom_right] = products.to_array();
     let top = top_left + tx * (top_right - top_left);
     let bottom = bottom_left + tx * (bottom_right - bottom_left);
     (GRADIENT_SCALE / 32768.0) * (top + ty * (bottom - top))
@@ -152,7 +155,7 @@ impl Cells {
     }
 }
 
-/// Cellular noise of one point a cell, which lies anywhere in it.
+/// Cellular noise of one point a cell, which lies anywhere in it but at its rim: two that nearly fall together would have a wide border.
 pub(super) fn cells(place: Vec2, periods: [u32; 2], seed: u32) -> Cells {
     let [across, down] = periods;
     let (x, fx) = cell(place.x, across);
@@ -162,8 +165,8 @@ pub(super) fn cells(place: Vec2, periods: [u32; 2], seed: u32) -> Cells {
     for (row, dy) in [(before(y, down), -1.0 - fy), (y, -fy), (after(y, down), 1.0 - fy)] {
         for (column, dx) in columns {
             let bits = hash(column, row, seed);
-            let point_x = dx + (bits & 0xffff) as f32 * (1.0 / 65536.0);
-            let point_y = dy + (bits >> 16) as f32 * (1.0 / 65536.0);
+            let point_x = dx + RIM + (bits & 0xffff) as f32 * ((1.0 - 2.0 * RIM) / 65536.0);
+            let point_y = dy + RIM + (bits >> 16) as f32 * ((1.0 - 2.0 * RIM) / 65536.0);
             let squared = point_x * point_x + point_y * point_y;
             if squared < nearest {
                 (second, nearest, id) = (nearest, squared, bits);

@@ -88,6 +88,14 @@ fn high_relief_reaches_through_low_one() {
     assert!((weights_of(&set(0.0), border, &inputs)[0] - 0.5).abs() < 1.0e-3);
     let inputs = [input(0.1), input(0.9), input(0.5), input(0.5)];
     assert!(weights_of(&set(1.0), border, &inputs)[1] > 0.99);
+    // Alike, they change nothing.
+    let inputs = [input(0.3); 4];
+    let nearly_grass = ground(290.0, 0.0);
+    let (plain, blended) =
+        (weights_of(&set(0.0), nearly_grass, &inputs), weights_of(&set(1.0), nearly_grass, &inputs));
+    for (plain, blended) in plain.iter().zip(blended) {
+        assert!((plain - blended).abs() < 1.0e-5, "{plain} {blended}");
+    }
 }
 
 #[test]
@@ -163,7 +171,7 @@ proptest! {
         }
     }
 
-    /// The case that a plain blend by height fails: two layers side by side, and a third that begins, with high relief.
+    /// The case in which a blend that looks for the highest layer jumps: two layers side by side, and a third that begins, with high relief.
     #[test]
     fn a_layer_that_begins_does_not_jump(cover in 0.0_f64..1.0, relief in 0.0_f32..1.0, start in 0.0_f32..1.0e-3) {
         let mut set = MaterialSet::new("Test", vec![
@@ -175,7 +183,7 @@ proptest! {
         let input = |texture_height, mask| LayerInput { texture_height, mask, noise: 0.0 };
         let at = |mask| weights_of(&set, ground(0.0, 0.0), &[input(0.0, 1.0), input(relief, 1.0), input(1.0, mask)]);
         for (before, after) in at(0.0).iter().zip(at(start)) {
-            prop_assert!((before - after).abs() < 0.1, "{} {}", before, after);
+            prop_assert!((before - after).abs() < 0.03, "{} {}", before, after);
         }
     }
 }

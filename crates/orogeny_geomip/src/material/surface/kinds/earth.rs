@@ -56,7 +56,7 @@ pub(super) fn cracked_earth(canvas: &Canvas) -> Vec<Texel> {
         let fine = fbm(place, 60, 3, canvas.seed(1));
         let broad = fbm(place, 4, 5, canvas.seed(2));
         let led = warped(place, 14, 4, 0.014, canvas.seed(3));
-        let large = cells(led, [6, 6], canvas.seed(4));
+        let large = cells(led, [6, 6], canvas.seed(14));
         let small = cells(led + Vec2::splat(0.31), [15, 15], canvas.seed(5));
         // Large cracks are wide, those within a plate thin and not everywhere.
         let width = 0.035 + 0.02 * fbm(place, 9, 2, canvas.seed(6));
@@ -69,9 +69,10 @@ pub(super) fn cracked_earth(canvas: &Canvas) -> Vec<Texel> {
         let tone = 0.45
             + 0.25 * broad
             + 0.22 * fine
-            + 0.28 * (large.random(1) - 0.5)
+            + 0.18 * (large.random(1) - 0.5)
             + 0.2 * (small.random(1) - 0.5);
-        let height = 0.25 * curl + 0.12 * large.random(2) + 0.1 * small.random(2) + 0.1 * broad + 0.07 * fine;
+        let height =
+            0.25 * curl + 0.08 * large.random(2) + 0.06 * small.random(2) + 0.1 * broad + 0.07 * fine;
         let colour = ramp(&tans, tone + 0.12 * curl);
         Texel {
             height: height - 1.1 * crack,

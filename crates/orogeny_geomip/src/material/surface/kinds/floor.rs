@@ -40,11 +40,11 @@ pub(super) fn forest_floor(canvas: &Canvas) -> Vec<Texel> {
             texel.roughness = 0.78 + 0.1 * tone;
         }
         // Moss grows over what has lain long.
-        let moss = smooth(0.52, 0.72, 0.5 + 0.5 * fbm(place, 4, 5, canvas.seed(3)) + 0.08 * fine);
+        let moss = smooth(0.5, 0.85, 0.5 + 0.5 * fbm(place, 4, 5, canvas.seed(3)) + 0.08 * fine);
         if moss > 0.0 {
             let cushion = fbm(place, 24, 4, canvas.seed(4));
             texel.height += moss * (0.28 + 0.22 * cushion);
-            texel.colour = texel.colour.lerp(ramp(&mosses, 0.5 + 0.6 * cushion), 0.85 * moss);
+            texel.colour = texel.colour.lerp(ramp(&mosses, 0.5 + 0.6 * cushion), 0.65 * moss);
             texel.roughness += moss * (0.95 - texel.roughness);
         }
         if let Some(twig) = twigs.get(index).filter(|hit| hit.is_any()) {

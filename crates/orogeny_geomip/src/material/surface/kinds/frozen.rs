@@ -33,7 +33,7 @@ pub(super) fn ice(canvas: &Canvas) -> Vec<Texel> {
     let blues = [0x7fa9bf, 0xa5c6d4, 0xc6dce4, 0xe4eef0].map(hex);
     let white = hex(0xf2f6f7);
     canvas.texels(|place, _| {
-        let led = warped(place, 5, 4, 0.03, canvas.seed(1));
+        let led = warped(place, 5, 3, 0.03, canvas.seed(1));
         let broad = fbm(led, 3, 4, canvas.seed(2));
         let fine = fbm(place, 52, 3, canvas.seed(3));
         // Cracks of three depths: the deeper, the fainter.

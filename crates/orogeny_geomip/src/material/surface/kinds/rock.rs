@@ -22,12 +22,12 @@ pub(super) fn rock(canvas: &Canvas) -> Vec<Texel> {
     let greys = [0x4c4a47, 0x696662, 0x827d76, 0x98928a, 0xada79e].map(hex);
     let (rusts, lichens) = ([0x6f5a45, 0x8c7258].map(hex), [0x8f9376, 0xb4b592].map(hex));
     canvas.texels(|place, _| {
-        let led = warped(place, 4, 4, 0.055, canvas.seed(1));
+        let led = warped(place, 4, 3, 0.055, canvas.seed(1));
         // Drawn out along one way, as bedding or cleavage is.
         let blocks = cells(led, [4, 8], canvas.seed(2));
         let chips = cells(led + vec2(0.31, 0.17), [11, 20], canvas.seed(4));
         let broad = fbm(led, 4, 4, canvas.seed(5));
-        let ridged = ridges(led, 5, 5, canvas.seed(6));
+        let ridged = ridges(led, 5, 4, canvas.seed(6));
         let fine = fbm(place, 40, 3, canvas.seed(7));
         let crack = crack(place, &blocks, 0.075, canvas.seed(12));
         let height = 0.34 * facet(&blocks, 0.3)
@@ -43,7 +43,7 @@ pub(super) fn rock(canvas: &Canvas) -> Vec<Texel> {
             + 0.16 * (chips.random(1) - 0.5)
             + 0.18 * (ridged - 0.5);
         let mut colour = ramp(&greys, tone) * (1.0 - 0.45 * crack);
-        let rust = smooth(0.52, 0.85, 0.5 + 0.5 * fbm(led, 5, 4, canvas.seed(8)) + 0.12 * fine);
+        let rust = smooth(0.52, 0.85, 0.5 + 0.5 * fbm(led, 5, 3, canvas.seed(8)) + 0.12 * fine);
         colour = colour.lerp(ramp(&rusts, tone), 0.4 * rust);
         let spots = cells(warped(place, 20, 2, 0.012, canvas.seed(9)), [24, 24], canvas.seed(10));
         let grown = smooth(0.5, 0.75, 0.5 + 0.5 * fbm(place, 5, 3, canvas.seed(11)));
@@ -58,7 +58,7 @@ pub(super) fn cliff(canvas: &Canvas) -> Vec<Texel> {
     let greys = [0x5b554e, 0x77706a, 0x8c8378, 0x9d9487, 0xb3aa9b].map(hex);
     let (ochres, streaks) = ([0x7d6b55, 0x9a8466].map(hex), hex(0x3a3733));
     canvas.texels(|place, _| {
-        let fold = 0.045 * fbm(place, 2, 3, canvas.seed(1)) + 0.012 * fbm(place, 9, 3, canvas.seed(2));
+        let fold = 0.045 * fbm(place, 2, 3, canvas.seed(1)) + 0.012 * fbm(place, 9, 2, canvas.seed(2));
         let bedded = vec2(place.x, place.y + fold);
         // Beds: each of a hardness of its own, which sets how far it stands out.
         let bed = fbm_stretched(bedded, [1, 9], 3, canvas.seed(3));
@@ -67,7 +67,7 @@ pub(super) fn cliff(canvas: &Canvas) -> Vec<Texel> {
         // Joints cut the beds into blocks, other ones in each.
         let joints = cells(warped(bedded, 10, 2, 0.018, canvas.seed(5)), [6, 13], canvas.seed(6));
         let joint = crack(place, &joints, 0.09, canvas.seed(12));
-        let led = warped(place, 6, 3, 0.04, canvas.seed(7));
+        let led = warped(place, 6, 2, 0.04, canvas.seed(7));
         let broken = ridges(led, 7, 4, canvas.seed(8));
         let fine = fbm(place, 48, 3, canvas.seed(9));
         let height = 0.75 * step + 0.3 * facet(&joints, 0.22) + 0.12 * laminae + 0.28 * broken + 0.09 * fine
@@ -98,7 +98,7 @@ pub(super) fn basalt(canvas: &Canvas) -> Vec<Texel> {
         let fine = fbm(place, 60, 3, canvas.seed(6));
         // Ropes: folds of the skin as it was dragged along.
         let rope = (std::f32::consts::TAU * (11.0 * place.y + 4.0 * fbm(place, 3, 2, canvas.seed(7)))).sin();
-        let roped = smooth(-0.1, 0.3, fbm(place, 4, 3, canvas.seed(8)));
+        let roped = smooth(-0.1, 0.3, fbm(place, 4, 2, canvas.seed(8)));
         let crack = crack(place, &crust, 0.11, canvas.seed(11));
         let clink = (1.0 - clinker.nearest).max(0.0) * (0.4 + 0.6 * clinker.random(1));
         let bubble = cells(place, [72, 72], canvas.seed(9));
@@ -116,7 +116,7 @@ pub(super) fn basalt(canvas: &Canvas) -> Vec<Texel> {
             + 0.2 * (clink - 0.4)
             + 0.06 * roped * rope
             + 0.14 * (crust.random(2) - 0.5);
-        let oxide = smooth(0.5, 0.85, 0.5 + 0.5 * fbm(led, 4, 4, canvas.seed(10)));
+        let oxide = smooth(0.5, 0.85, 0.5 + 0.5 * fbm(led, 4, 3, canvas.seed(10)));
         let colour =
             ramp(&blacks, tone).lerp(rust, 0.28 * oxide) * (1.0 - 0.5 * crack) * (1.0 - 0.3 * vesicle);
         Texel { height, colour, roughness: 0.74 - 0.12 * roped + 0.07 * fine }

@@ -20,7 +20,7 @@ pub(super) fn gravel(canvas: &Canvas) -> Vec<Texel> {
         let radius = on.x.abs().powf(power) + on.y.abs().powf(power);
         (radius < 1.0).then(|| stamp.half.y * 1.4 * (1.0 - radius).sqrt())
     });
-    let stones = [0x6b6660, 0x8d877c, 0xa69b8a, 0xb9a98f, 0x7f7468, 0x97877a, 0xc9c2b4, 0x5c5a58].map(hex);
+    let stones = [0x6b6660, 0x8d877c, 0xa69b8a, 0xb9a98f, 0x7f7468, 0x97877a, 0xaea798, 0x5c5a58].map(hex);
     stones_over_sand(canvas, &hits, &stones, &[0x4b4236, 0x7d705c, 0x9a8c74].map(hex), 0.0)
 }
 
@@ -91,7 +91,7 @@ fn stones_over_sand<const N: usize>(
         };
         let Some(stone) = hits.get(index).filter(|stone| stone.height > ground - 0.004) else { return sand };
         let tone = random(stone.id, 60);
-        let own = ramp(stones, tone) * (0.72 + 0.5 * random(stone.id, 61));
+        let own = ramp(stones, tone) * (0.78 + 0.4 * random(stone.id, 61));
         // Each stone has its own grain; some have veins.
         let shift = vec2(random(stone.id, 62), random(stone.id, 63));
         let grain = fbm(place + shift, 40, 3, canvas.seed(3));
