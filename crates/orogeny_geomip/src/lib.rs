@@ -17,6 +17,10 @@
 //! along the rim, whatever their details: the finer tile's further ones fall together with their neighbours, and the
 //! triangles between them have no area.
 //!
+//! # What the ground looks like
+//!
+//! [`material`]: sets of layers with rules of height, slope, curvature, noise and masks, and the surfaces that they show.
+//!
 //! # Axes
 //!
 //! x to the east, z to the south, y up, metres; sample `(0, 0)` is the origin. Right-handed.
@@ -24,7 +28,9 @@
 mod camera;
 mod culling;
 mod detail;
+mod error;
 mod lattice;
+pub mod material;
 mod page_place;
 mod page_table;
 mod picking;
@@ -39,6 +45,7 @@ mod tile;
 pub use camera::{Camera, MIN_NEAR_M};
 pub use culling::{Bounds, Frustum};
 pub use detail::{DetailRule, Metric, Relief};
+pub use error::{Error, Result};
 pub use lattice::{DrawnTile, RIM_PARTS, indices};
 pub use page_place::PagePlace;
 pub use page_table::{MAX_LEVELS, PageTable, TABLE_SIDE};
