@@ -55,6 +55,25 @@ pub enum Error {
         /// Why.
         source: Box<Error>,
     },
+    /// A material set that cannot be used, or a size or name that none has.
+    #[error(transparent)]
+    Material(#[from] orogeny_geomip::Error),
+    /// A file that is no material set. Mend what is named.
+    #[error("`{}`: {source}", path.display())]
+    MaterialFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<orogeny_geomip::Error>,
+    },
+    /// A picture that no texture can be made from.
+    #[error("`{}` is no PNG that a texture can be made from: {detail}", path.display())]
+    Texture {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        detail: String,
+    },
     /// A number of a picture that is out of its range.
     #[error("{what} is {value}; it may be {low} to {high}")]
     View {

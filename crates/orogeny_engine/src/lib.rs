@@ -76,4 +76,4 @@ pub use presets::{Preset, Presets};
 pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;
 pub use terrain::Terrain;
-pub use view::{Drawn, Flight, HeightAt, Place, View, ViewRequest};
+pub use view::{Drawn, Flight, HeightAt, Materials, Place, View, ViewRequest};

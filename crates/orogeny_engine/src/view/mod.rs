@@ -1,18 +1,20 @@
 //! Pictures of a terrain as it is seen from somewhere, drawn on a GPU or a software driver.
 
 mod flight;
+mod materials;
 mod request;
 mod source;
 
 use glam::DVec3;
 use orogeny_field::SampleRect;
 use orogeny_geomip::{
-    Camera, DetailRule, Fog, FrameReport, Light, PagePlace, PageRelief, PageSummaries as _, Renderer, Scene,
-    Sky, Targets,
+    Camera, DetailRule, Fog, FrameReport, Light, Mode, PagePlace, PageRelief, PageSummaries as _, Renderer,
+    Scene, Sky, Targets,
 };
 use orogeny_gpu::{AdapterChoice, AdapterDescription, Gpu};
 
 pub use flight::Flight;
+pub use materials::Materials;
 pub use request::{HeightAt, Place, ViewRequest};
 
 use self::source::CompositeSource;
@@ -42,6 +44,8 @@ pub struct View<'a> {
     renderer: Renderer,
     targets: Targets,
     size_px: [u32; 2],
+    /// The set whose textures are there.
+    materials: Option<Materials>,
 }
 
 /// What a picture was drawn from.
@@ -73,7 +77,15 @@ impl Terrain {
         let budget = pages.min(self.settings().page_budget_in_bytes);
         let renderer = Renderer::new(&gpu, self.grid(), store.layout(), self.unpainted_height_m()?, budget)?;
         let targets = Targets::new(&gpu, size_px)?;
-        Ok(View { terrain: self, source: CompositeSource::new(store), gpu, renderer, targets, size_px })
+        Ok(View {
+            terrain: self,
+            source: CompositeSource::new(store),
+            gpu,
+            renderer,
+            targets,
+            size_px,
+            materials: None,
+        })
     }
 }
 
@@ -95,6 +107,11 @@ impl View<'_> {
     pub fn draw(&mut self, request: &ViewRequest, observer: &mut dyn Observer) -> Result<Drawn> {
         request.check()?;
         let (eye_m, target_m) = self.places(request)?;
+        if request.mode == Mode::Textured && self.materials.as_ref() != Some(&request.materials) {
+            let (set, layers) = materials::resolve(&request.materials, self.range_m())?;
+            self.renderer.set_materials(set, &layers)?;
+            self.materials = Some(request.materials.clone());
+        }
         let camera = Camera::looking_at(eye_m, target_m, request.fov_degrees.to_radians(), self.size_px);
         let scene = self.scene(request);
         let (grid, layout) = (self.terrain.grid(), self.terrain.store()?.layout());
@@ -199,16 +216,17 @@ impl View<'_> {
     fn scene(&self, request: &ViewRequest) -> Scene {
         let range_m = request.range_m.unwrap_or_else(|| self.range_m());
         let span_m = (range_m[1] - range_m[0]).max(1.0e-3);
+        let sky = Sky::new(request.sun_azimuth_degrees, request.sun_altitude_degrees, request.haze);
         Scene {
             mode: request.mode,
             detail: DetailRule { metric: request.metric, max_error_px: request.max_error_px },
-            sky: Sky::new(request.sun_azimuth_degrees, request.sun_altitude_degrees, request.haze),
             light: Light {
                 slope_exaggeration: request.slope_exaggeration,
-                exposure: Light::default().exposure * request.exposure_stops.exp2(),
+                exposure: adapted_exposure(&sky) * request.exposure_stops.exp2(),
                 has_shadows: request.has_shadows,
                 ..Light::default()
             },
+            sky,
             // As the sky's haze is: 1/m, and 1,200 m to 1/e of it.
             fog: Fog {
                 density: (8.4e-6 * request.haze + 1.2e-5) as f32,
@@ -222,6 +240,14 @@ impl View<'_> {
             cursors: Vec::new(),
         }
     }
+}
+
+/// What an eye makes of a light: most of the way to one brightness, so that an evening is darker than noon, but not dark.
+fn adapted_exposure(sky: &Sky) -> f32 {
+    const NOON: f64 = 0.95;
+    const SHARE: f64 = 0.8;
+    let light = sky.sun_light.y * sky.to_sun.y.max(0.0) + sky.sky_light.y;
+    Light::default().exposure * (NOON / light.max(1.0e-3)).powf(SHARE) as f32
 }
 
 /// 1, 2 or 5 times a power of ten, the next above.

@@ -2,6 +2,8 @@
 
 use orogeny_geomip::{Metric, Mode};
 
+use super::Materials;
+
 /// A height of the eye or of what it looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HeightAt {
@@ -35,6 +37,8 @@ pub struct ViewRequest {
     pub fov_degrees: f64,
     /// What is shown.
     pub mode: Mode,
+    /// What the ground is made of, in [`Mode::Textured`].
+    pub materials: Materials,
     /// Where the sun stands: degrees from north, clockwise.
     pub sun_azimuth_degrees: f64,
     /// Its height above the horizon, degrees, -5 to 90.
@@ -67,6 +71,7 @@ impl Default for ViewRequest {
             target: None,
             fov_degrees: 45.0,
             mode: Mode::Textured,
+            materials: Materials::default(),
             sun_azimuth_degrees: 300.0,
             sun_altitude_degrees: 32.0,
             haze: 1.0,

@@ -11,7 +11,7 @@ const MIN_FADE: f64 = 1.0e-4;
 /// The steepest slope that has a tangent of use, degrees.
 const STEEPEST_DEGREES: f64 = 89.9;
 /// How wide the edge of a patch is, in the noise's -1..1.
-const PATCH_EDGE: f64 = 0.5;
+const PATCH_EDGE: f64 = 0.9;
 /// The least height that a terrain counts as having, metres: on level ground shares would mean nothing.
 const MIN_RANGE_M: f64 = 1.0;
 

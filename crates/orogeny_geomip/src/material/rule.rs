@@ -1,5 +1,7 @@
 //! What a set comes to for one terrain: numbers alone, as a GPU takes them.
 
+use bytemuck::{Pod, Zeroable};
+
 /// In [`LayerRule::ids`]: the layer has no mask.
 pub const NO_MASK: u32 = u32::MAX;
 
@@ -8,7 +10,7 @@ pub const NO_MASK: u32 = u32::MAX;
 /// A *ramp* is four numbers `[rise, per rise, fall, per fall]`: the layer's share at `x` is
 /// `smooth((x - rise) * per_rise) * (1 - smooth((x - fall) * per_fall))`, where `smooth(t)` keeps `t` to 0..1 and is `t² (3 - 2 t)`. An open side
 /// rises or falls 1e30 away.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Zeroable, Pod)]
 #[repr(C)]
 pub struct LayerRule {
     /// The ramp of heights, metres.

@@ -3,6 +3,7 @@
 //! A frame in order: [`Renderer::want`] says which pages the picture lacks; whoever has them [`upload`](Renderer::upload)s some;
 //! [`Renderer::draw`] draws from what is there. So no frame waits for a page.
 
+mod materials;
 mod page_texture;
 mod pipelines;
 mod scene;
@@ -17,16 +18,19 @@ use half::f16;
 use orogeny_field::{Page, PageLayout, TerrainGrid};
 use orogeny_gpu::{Drawing, Gpu, Result};
 
+use self::materials::Materials;
 use self::page_texture::PageTexture;
 use self::pipelines::Pipelines;
 use self::shadow_maps::ShadowMaps;
 use self::tiles::{Batch, Lists, Placed};
 use self::uniforms::{FrameParts, split};
+use crate::material::{ResolvedSet, SetRule, SurfaceTexture};
 use crate::{
     Bounds, Camera, Cascade, Holder, MAX_COARSENING, PagePlace, PageRelief, PageSummaries, PageTable,
     SKY_SIZE, Sky, Slots, cascades, indices, select, wanted_pages,
 };
 
+pub use materials::MaterialUniform;
 pub use scene::{Cursor, Fog, Light, Mode, Scene};
 pub use targets::Targets;
 pub use uniforms::{FrameUniform, MAX_CURSORS, TileInstance};
@@ -66,6 +70,7 @@ pub struct Renderer {
     pipelines: Pipelines,
     shadow_maps: ShadowMaps,
     sky: Option<(Sky, wgpu::TextureView)>,
+    materials: Materials,
     smooth_sampler: wgpu::Sampler,
     shadow_sampler: wgpu::Sampler,
     /// By the logarithm of their steps.
@@ -119,6 +124,7 @@ impl Renderer {
             pipelines: Pipelines::new(gpu)?,
             shadow_maps: ShadowMaps::new(gpu, SHADOW_TEXELS)?,
             sky: None,
+            materials: Materials::new(gpu, plain_set(), &[])?,
             smooth_sampler: sampler(None),
             shadow_sampler: sampler(Some(wgpu::CompareFunction::LessEqual)),
             meshes,
@@ -161,6 +167,16 @@ impl Renderer {
         if self.active.insert(place, Holder::Slot(slot)).is_none() {
             self.num_missing = self.num_missing.saturating_sub(1);
         }
+        Ok(())
+    }
+
+    /// Takes a material set, resolved for this terrain, with the texture of each of its layers: all of one size, each with all of its levels
+    /// from the largest on.
+    ///
+    /// # Errors
+    /// When there is no memory for the textures.
+    pub fn set_materials(&mut self, set: ResolvedSet, layers: &[Vec<SurfaceTexture>]) -> Result<()> {
+        self.materials = Materials::new(&self.gpu, set, layers)?;
         Ok(())
     }
 
@@ -230,6 +246,11 @@ impl Renderer {
                 bytemuck::cast_slice(&lists.instances),
             )?,
             sky: self.sky_view(&scene.sky)?,
+            materials: self.buffer(
+                "orogeny.materials",
+                wgpu::BufferUsages::UNIFORM,
+                bytemuck::bytes_of(&self.materials.uniform(eye_m)),
+            )?,
         };
 
         let mut encoder = self
@@ -335,7 +356,14 @@ impl Renderer {
         batches: &[Batch],
         are_edges: bool,
     ) {
-        self.bind(pass, drawing, frame, &[frame.tiles.as_entire_binding()]);
+        let own = [
+            frame.tiles.as_entire_binding(),
+            frame.materials.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&self.materials.albedo_heights),
+            wgpu::BindingResource::TextureView(&self.materials.normal_roughnesses),
+            wgpu::BindingResource::Sampler(&self.materials.sampler),
+        ];
+        self.bind(pass, drawing, frame, &own);
         for Batch { step, instances } in batches {
             let Some(mesh) = self.meshes.get(step.trailing_zeros() as usize) else { continue };
             let (buffer, num_indices) = if are_edges {
@@ -438,6 +466,7 @@ struct Frame {
     table: wgpu::Buffer,
     tiles: wgpu::Buffer,
     sky: wgpu::TextureView,
+    materials: wgpu::Buffer,
 }
 
 impl Mesh {
@@ -455,6 +484,12 @@ impl Mesh {
             num_edge_indices: edges.len() as u32,
         })
     }
+}
+
+/// What there is before a set is given: nothing.
+const fn plain_set() -> ResolvedSet {
+    let set = SetRule { blend_depth: 1.0, blend_contrast: 0.0, macro_per_m: 0.0, macro_amount: 0.0 };
+    ResolvedSet { layers: Vec::new(), set, masks: Vec::new() }
 }
 
 /// The box of all tiles.

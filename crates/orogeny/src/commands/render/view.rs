@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use orogeny_engine::{Drawn, FrameReport, Metric, Mode, Place, ViewRequest};
+use orogeny_engine::{Drawn, FrameReport, Materials, Metric, Mode, Place, ViewRequest};
 use serde::Serialize;
 
 use super::Arguments;
@@ -28,6 +28,9 @@ pub struct ViewArguments {
     /// What is shown
     #[arg(long, value_enum, default_value_t = ModeName::Textured, conflicts_with = "map")]
     mode: ModeName,
+    /// What the ground is made of: alpine, arctic, desert, volcanic, or a JSON file of a set of your own
+    #[arg(long, value_name = "SET", default_value = "alpine", conflicts_with = "map")]
+    materials: String,
     /// Where the sun stands: degrees from north, clockwise, and above the horizon
     #[arg(long, value_name = "AZIMUTH,ALTITUDE", default_value = "300,32", value_parser = values::sun, allow_hyphen_values = true, conflicts_with = "map")]
     sun: [f64; 2],
@@ -122,6 +125,7 @@ impl Arguments {
             target: view.target,
             fov_degrees: view.fov,
             mode: view.mode.into(),
+            materials: Materials::from_name(&view.materials),
             sun_azimuth_degrees: view.sun[0],
             sun_altitude_degrees: view.sun[1],
             haze: view.haze,
