@@ -26,6 +26,8 @@ use orogeny_brush::kernels::terrace::TerraceUniform;
 use orogeny_brush::{BrushUniform, Tile};
 use orogeny_field::noise::{FrameOctave, LatticePoint, LatticeStep};
 use orogeny_field::{Drag, Instance, Part, PhaseWeights, PipesKernel, Place, ThermalLayer};
+use orogeny_geomip::material::LayerRule;
+use orogeny_geomip::{FrameUniform, MaterialUniform, TileInstance};
 use orogeny_shaders::{SHADERS, Shader, Struct};
 
 /// A field of a struct: name, offset and size in bytes.
@@ -107,6 +109,66 @@ fn mirrors() -> Vec<Mirror> {
             }
         ),
         mirror!("Brush", BrushUniform { inverse_falloff_ratio, falloff_exponent, falloff_scale }),
+        mirror!(
+            "FrameUniform",
+            FrameUniform {
+                clip_from_relative,
+                ray_right,
+                near_m,
+                ray_up,
+                eye_height_m,
+                ray_forward,
+                spacing_m,
+                eye_sample,
+                eye_offset_m,
+                num_samples,
+                page_size_log2,
+                top_level,
+                slots_a_side_log2,
+                unpainted_m,
+                slope_exaggeration,
+                exposure,
+                to_sun,
+                ambient_occlusion,
+                sun_light,
+                fog_density,
+                sky_light,
+                fog_falloff,
+                fog_base_m,
+                water_level_m,
+                low_m,
+                high_m,
+                contour_m,
+                sample_px,
+                overlay_low,
+                overlay_high,
+                viewport,
+                num_cursors,
+                num_cascades,
+                cascades,
+                cascade_texel_m,
+                windows,
+                cursors
+            }
+        ),
+        mirror!("TileInstance", TileInstance { place, level, detail, rim }),
+        mirror!("LayerRule", LayerRule { height_m, slope_tangent, curvature, noise, look, ids }),
+        mirror!(
+            "MaterialUniform",
+            MaterialUniform {
+                blend_depth,
+                blend_contrast,
+                macro_per_m,
+                macro_amount,
+                num_layers,
+                pad_a,
+                pad_b,
+                pad_c,
+                layers,
+                eye_repeats,
+                eye_far_repeats
+            }
+        ),
         mirror!("Plane", PlaneUniform { origin, stride, channel_stride }),
         mirror!("Input", InputUniform { plane, extent, padding }),
         mirror!("Step", StepUniform { result, inputs, size, extent }),

@@ -10,8 +10,11 @@ use crate::{Bounds, Camera};
 /// Shadow maps at most.
 pub const MAX_CASCADES: usize = 4;
 
-/// How the slices lie between even ratios (1) and even distances (0).
-const RATIO_SHARE: f64 = 0.85;
+/// How many times as far as its sides a square's corners are.
+const CORNER: f64 = std::f64::consts::SQRT_2 * 1.0001;
+
+/// Lower suns throw shadows as if they stood this high, as a sine.
+const MIN_SUN_HEIGHT: f64 = 0.01;
 
 /// What a shadow map holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,9 +44,8 @@ pub fn cascades(
     let near_m = quantised(nearest_m.max(0.5), f64::floor);
     let far_m = quantised(furthest_m.max(near_m * 2.0), f64::ceil);
     let split = |k: usize| {
-        let share = k as f64 / MAX_CASCADES as f64;
-        let (by_ratio, even) = (near_m * (far_m / near_m).powf(share), near_m + (far_m - near_m) * share);
-        if k == 0 { 0.0 } else { RATIO_SHARE * by_ratio + (1.0 - RATIO_SHARE) * even }
+        // Each slice is as many times as far as the one before it: then texels are as many pixels wide in all of them.
+        if k == 0 { 0.0 } else { near_m * (far_m / near_m).powf(k as f64 / MAX_CASCADES as f64) }
     };
     std::array::from_fn(|k| cascade(camera, to_sun, [split(k), split(k + 1)], ground, texels))
 }
@@ -82,6 +84,12 @@ fn cascade(
     });
     let (lowest, highest) =
         corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+    // No more of it than the ground in the map's square column: depth is as exact as its range is short.
+    let middle = to_sun.dot(centre_relative_m);
+    let sine = to_sun.y.max(MIN_SUN_HEIGHT);
+    let slanted_m = CORNER * radius_m * (1.0 - sine * sine).sqrt() / sine;
+    let reach_m = radius_m + slanted_m + (ground.max_m.y - ground.min_m.y) / sine;
+    let (lowest, highest) = (lowest.max(middle - reach_m), highest.min(middle + reach_m));
     let length = (highest - lowest).max(1.0);
     let row = |axis: DVec3, scale: f64, offset: f64| (axis * scale).as_vec3().extend(offset as f32);
     let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
@@ -101,8 +109,7 @@ impl Cascade {
     pub fn may_hold(&self, bounds: &Bounds, eye_m: DVec3, to_sun: DVec3) -> bool {
         let middle = (bounds.min_m + bounds.max_m) / 2.0 - eye_m - self.centre_relative_m;
         let across = middle - to_sun * middle.dot(to_sun);
-        // The map is a square, its corners 1.42 times as far.
-        across.length() <= 1.4143 * self.radius_m + (bounds.max_m - bounds.min_m).length() / 2.0
+        across.length() <= CORNER * self.radius_m + (bounds.max_m - bounds.min_m).length() / 2.0
     }
 }
 

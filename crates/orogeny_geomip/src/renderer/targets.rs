@@ -40,9 +40,20 @@ impl Targets {
         Ok(Self {
             size,
             light: texture("orogeny.light", LIGHT_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING)?,
-            depth: texture("orogeny.depth", DEPTH_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING)?,
+            depth: texture(
+                "orogeny.depth",
+                DEPTH_FORMAT,
+                wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
+            )?,
             picture: texture("orogeny.picture", PICTURE_FORMAT, wgpu::TextureUsages::COPY_SRC)?,
         })
+    }
+
+    /// How far the ground of the last picture is: [`MIN_NEAR_M`](crate::MIN_NEAR_M) over the distance before the eye, 0 where there is none. For those who
+    /// draw more into it.
+    #[must_use]
+    pub const fn depth(&self) -> &wgpu::Texture {
+        &self.depth
     }
 
     /// The picture that was drawn last.

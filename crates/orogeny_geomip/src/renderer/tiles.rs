@@ -6,7 +6,7 @@ use std::ops::Range;
 use orogeny_field::TerrainGrid;
 
 use super::uniforms::TileInstance;
-use crate::{Bounds, Camera, Cascade, DrawnTile, Frustum, PageRelief, PageSummaries};
+use crate::{Bounds, Camera, Cascade, DrawnTile, Frustum, PageRelief, PageSummaries, Relief as _};
 
 /// A tile with the box that it is drawn in.
 #[derive(Debug, Clone, Copy)]
@@ -56,7 +56,7 @@ pub(super) fn placed<S: PageSummaries>(
     drawn
         .iter()
         .filter_map(|drawn| {
-            let heights = relief.tile_bounds(drawn.tile);
+            let heights = relief.ring_bounds(drawn.tile);
             let bounds = Bounds::of_samples(drawn.tile.samples(grid)?, heights, grid.spacing_m());
             Some(Placed { drawn: *drawn, bounds })
         })

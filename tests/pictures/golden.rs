@@ -1,0 +1,160 @@
+//! Pictures that people have looked at. `cargo xtask golden` draws them anew; look at what changed before it is kept.
+//!
+//! A picture may differ by rounding: no more than [`MAX_MEAN`] of a channel's 255 in the mean, and [`FAR`] in [`MAX_SHARE_FAR`] of its pixels. One that differs more
+//! leaves `NAME.expected.png`, `NAME.actual.png` and `NAME.difference.png` in `target/pictures/`.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use orogeny_engine::{HeightAt, Mode, Picture, Terrain, ViewRequest};
+use orogeny_tests::{repository, skip};
+
+use crate::views::{difference, draw, frazier, imported, place};
+
+const MAX_MEAN: f64 = 1.0;
+const FAR: u8 = 24;
+const MAX_SHARE_FAR: f64 = 0.01;
+
+const SIZE: [u32; 2] = [320, 180];
+
+fn decoded(bytes: &[u8]) -> Picture {
+    let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
+    let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut rgb).unwrap();
+    assert_eq!(frame.color_type, png::ColorType::Rgb);
+    Picture { width_px: frame.width, height_px: frame.height, rgb }
+}
+
+/// What is wrong with a picture; `None`: nothing.
+fn mismatch(expected: &Picture, actual: &Picture) -> Option<String> {
+    if (expected.width_px, expected.height_px) != (actual.width_px, actual.height_px) {
+        return Some("it has another size".to_owned());
+    }
+    let (mean, largest) = difference(&expected.rgb, &actual.rgb);
+    let pixels = expected.rgb.chunks_exact(3).zip(actual.rgb.chunks_exact(3));
+    let num_far = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > FAR)).count();
+    let share = num_far as f64 / (expected.rgb.len() / 3) as f64;
+    (mean > MAX_MEAN || share > MAX_SHARE_FAR).then(|| {
+        format!(
+            "it is off by {mean:.2} in the mean, {largest} at most, {:.2} % of its pixels by more than {FAR}",
+            share * 100.0
+        )
+    })
+}
+
+fn compare(name: &str, actual: &Picture) -> Option<String> {
+    let golden = repository().join("tests/golden/pictures").join(format!("{name}.png"));
+    if std::env::var_os("OROGENY_GOLDEN").is_some_and(|value| value == "write") {
+        actual.write(&golden).unwrap();
+        return None;
+    }
+    let Ok(bytes) = std::fs::read(&golden) else {
+        return Some(format!("{name}: there is no {}; draw it by `cargo xtask golden`", golden.display()));
+    };
+    let expected = decoded(&bytes);
+    let wrong = mismatch(&expected, actual)?;
+    let folder = repository().join("target/pictures");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join(format!("{name}.expected.png")), bytes).unwrap();
+    actual.write(&folder.join(format!("{name}.actual.png"))).unwrap();
+    if expected.rgb.len() == actual.rgb.len() {
+        let rgb =
+            expected.rgb.iter().zip(&actual.rgb).map(|(a, b)| a.abs_diff(*b).saturating_mul(8)).collect();
+        Picture { rgb, ..expected }.write(&folder.join(format!("{name}.difference.png"))).unwrap();
+    }
+    Some(format!("{name}: {wrong}; see {}", folder.display()))
+}
+
+fn assert_golden(prefix: &str, terrain: &Terrain, views: &[(&str, ViewRequest)]) {
+    assert!(!views.is_empty());
+    let wrong: Vec<_> = views
+        .iter()
+        .filter_map(|(name, request)| {
+            let drawn = draw(terrain, request);
+            assert_eq!(drawn.report.num_missing, 0, "{name}");
+            compare(&format!("{prefix}-{name}"), &drawn.picture)
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn near() -> ViewRequest {
+    ViewRequest {
+        size_px: SIZE,
+        eye: place(9_000.0, HeightAt::AboveGround(900.0), 16_500.0),
+        target: place(14_500.0, HeightAt::AboveGround(0.0), 11_000.0),
+        ..ViewRequest::default()
+    }
+}
+
+#[test]
+fn every_mode() {
+    let folder = tempfile::tempdir().unwrap();
+    let terrain = frazier(folder.path());
+    let views: Vec<_> = Mode::ALL
+        .into_iter()
+        .filter(|mode| *mode != Mode::Overlay)
+        .map(|mode| (mode.name(), ViewRequest { mode, ..near() }))
+        .collect();
+    assert_golden("frazier", &terrain, &views);
+}
+
+#[test]
+fn sun_water_haze_and_material_sets() {
+    let folder = tempfile::tempdir().unwrap();
+    let terrain = frazier(folder.path());
+    let low = ViewRequest { sun_azimuth_degrees: 255.0, sun_altitude_degrees: 8.0, ..near() };
+    let water = ViewRequest { water_level_m: Some(1_150.0), ..near() };
+    let haze = ViewRequest { haze: 6.0, ..near() };
+    let flat = ViewRequest { mode: Mode::Shaded, slope_exaggeration: 4.0, has_shadows: false, ..near() };
+    let set = |name: &str| ViewRequest { materials: orogeny_engine::Materials::from_name(name), ..near() };
+    let views = [
+        ("low-sun", low),
+        ("water", water),
+        ("haze", haze),
+        ("exaggerated", flat),
+        ("desert", set("desert")),
+        ("volcanic", set("volcanic")),
+    ];
+    assert_golden("frazier", &terrain, &views);
+}
+
+#[test]
+fn the_whole_tile_from_far_near_above_and_on_the_ground() {
+    let Some(data) = std::env::var_os("OROGENY_DATA") else {
+        skip("the_whole_tile_from_far_near_above_and_on_the_ground", "OROGENY_DATA is not set");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let terrain = imported(folder.path(), &Path::new(&data).join("nasadem_n34w119_int16.tif"));
+    let view = ViewRequest { size_px: SIZE, ..ViewRequest::default() };
+    let near = ViewRequest {
+        eye: place(22_000.0, HeightAt::AboveGround(1_500.0), 38_000.0),
+        target: place(30_000.0, HeightAt::AboveGround(0.0), 30_000.0),
+        ..view.clone()
+    };
+    let down = ViewRequest {
+        eye: place(30_000.0, HeightAt::AboveGround(12_000.0), 30_000.0),
+        target: place(30_000.0, HeightAt::AboveGround(0.0), 30_000.0),
+        ..view.clone()
+    };
+    let ground = ViewRequest {
+        eye: place(25_000.0, HeightAt::AboveGround(2.0), 33_200.0),
+        target: place(24_000.0, HeightAt::AboveGround(100.0), 36_000.0),
+        ..view.clone()
+    };
+    assert_golden("tile", &terrain, &[("far", view), ("near", near), ("down", down), ("ground", ground)]);
+}
+
+#[test]
+fn a_picture_that_differs_is_told_apart() {
+    let picture = |grey: u8| Picture { width_px: 20, height_px: 10, rgb: vec![grey; 600] };
+    assert_eq!(mismatch(&picture(100), &picture(101)), None);
+    assert!(mismatch(&picture(100), &picture(102)).is_some());
+    let mut spotted = picture(100);
+    spotted.rgb[..6].fill(130);
+    assert_eq!(mismatch(&picture(100), &spotted), None);
+    spotted.rgb[..9].fill(130);
+    assert!(mismatch(&picture(100), &spotted).is_some());
+    assert!(mismatch(&picture(100), &Picture { width_px: 10, height_px: 20, rgb: vec![100; 600] }).is_some());
+}

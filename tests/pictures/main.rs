@@ -1,0 +1,17 @@
+//! What is drawn: against the geometry on the CPU, against pictures that people have looked at, and against itself from elsewhere, later, and with
+//! less memory.
+
+#![cfg(test)]
+#![expect(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    reason = "helpers of tests, which clippy does not take for tests"
+)]
+
+mod budget;
+mod flight;
+mod golden;
+mod ground;
+mod surface;
+mod views;
