@@ -66,19 +66,27 @@ impl PageTable {
         table
     }
 
+    /// Whether a page lies in its level's window.
+    fn is_inside(&self, place: PagePlace) -> bool {
+        self.windows.get(usize::from(place.level)).is_some_and(|[x0, z0, x1, z1]| {
+            (*x0..*x1).contains(&place.x.cast_signed()) && (*z0..*z1).contains(&place.z.cast_signed())
+        })
+    }
+
     /// The entry of a page; [`NO_PAGE`] outside its level's window.
     fn entry(&self, place: PagePlace) -> u32 {
-        let is_inside = self.windows.get(usize::from(place.level)).is_some_and(|[x0, z0, x1, z1]| {
-            (*x0..*x1).contains(&place.x.cast_signed()) && (*z0..*z1).contains(&place.z.cast_signed())
-        });
-        let entry = if is_inside { self.entries.get(index(place)) } else { None };
+        let entry = if self.is_inside(place) { self.entries.get(index(place)) } else { None };
         entry.copied().unwrap_or(NO_PAGE)
     }
 
-    /// From which level a page is read and what holds that; `None` where there is nothing.
+    /// From which level a page is read and what holds that; `None` where there is nothing. Of one outside its level's window, that of the
+    /// first above it inside one, as the shaders do.
     #[must_use]
     pub fn lookup(&self, place: PagePlace) -> Option<(u8, Holder)> {
-        let entry = self.entry(place);
+        let above =
+            |place: &PagePlace| (usize::from(place.level) + 1 < self.windows.len()).then(|| place.parent());
+        let inside = std::iter::successors(Some(place), above).find(|place| self.is_inside(*place))?;
+        let entry = self.entry(inside);
         let holder = match entry & CONSTANT_SLOT {
             CONSTANT_SLOT => Holder::Constant,
             slot => Holder::Slot(slot),

@@ -47,6 +47,12 @@ impl<'a, S: PageSummaries> PageRelief<'a, S> {
         self.bounds_over([first, first.map(|first| first + tile.side())], tile.level.saturating_sub(2))
     }
 
+    /// Lowest and highest height of a page, the first samples of the next ones included, as the ground of its last cells lies between
+    /// these; maybe more than that.
+    pub fn page_bounds(&self, place: PagePlace) -> HeightBounds {
+        self.bounds_over(place.samples(&self.grid, self.layout), place.level)
+    }
+
     fn bounds_over(&self, samples: [[u32; 2]; 2], level: u8) -> HeightBounds {
         let pages = self.pages_over(samples, level).map(|place| self.summaries.summary(place).bounds);
         pages.reduce(HeightBounds::with).unwrap_or(HeightBounds::of(0.0))

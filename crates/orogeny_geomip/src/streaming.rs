@@ -38,7 +38,8 @@ pub fn wanted_pages<S: PageSummaries>(
         if summary.is_constant || place.level == 0 {
             continue;
         }
-        let bounds = Bounds::of_samples(place.samples(grid, layout), summary.bounds, grid.spacing_m());
+        let bounds =
+            Bounds::of_samples(place.samples(grid, layout), relief.page_bounds(place), grid.spacing_m());
         if !frustum.may_show(&bounds) {
             continue;
         }
