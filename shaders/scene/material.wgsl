@@ -87,9 +87,10 @@ fn layer_noise(place: vec2<f32>, seed: u32) -> f32 {
 }
 
 // How much a layer covers what is below it. Where its noise is finer than pixels it counts with its mean.
-fn cover_of(layer: u32, height_m: f32, slope: f32, curvature: f32, world_m: vec2<f32>, pixel_m: f32) -> f32 {
+fn cover_of(layer: u32, height_m: f32, slope: f32, curvature: f32, world_m: vec2<f32>, pixel_m: f32, masks: vec4<f32>) -> f32 {
     let rule = materials.layers[layer];
-    let share = ramp_at(rule.height_m, height_m) * ramp_at(rule.slope_tangent, slope) * ramp_at(rule.curvature, curvature);
+    var share = ramp_at(rule.height_m, height_m) * ramp_at(rule.slope_tangent, slope) * ramp_at(rule.curvature, curvature);
+    if rule.ids.y != NO_MASK { share *= clamp(masks[rule.ids.y & 3u], 0.0, 1.0); }
     if share <= 0.0 {
         return 0.0;
     }
@@ -156,7 +157,7 @@ fn bump_on_side(side: u32, bump: vec2<f32>) -> vec3<f32> {
 }
 
 // The ground's material at a place with a normal, a height, a slope and a curvature.
-fn material_at(ways: Projections, normal: vec3<f32>, height_m: f32, slope: f32, curvature: f32, world_m: vec2<f32>, pixel_m: f32) -> Material {
+fn material_at(ways: Projections, normal: vec3<f32>, height_m: f32, slope: f32, curvature: f32, world_m: vec2<f32>, pixel_m: f32, masks: vec4<f32>) -> Material {
     let distance_m = length(ways.relative);
     var covers: array<f32, 16>;
     var looks: array<vec4<f32>, 16>;
@@ -166,7 +167,7 @@ fn material_at(ways: Projections, normal: vec3<f32>, height_m: f32, slope: f32, 
     for (var k = 0u; k < num; k++) {
         let layer = num - 1u - k;
         var cover = 1.0;
-        if layer > 0u { cover = cover_of(layer, height_m, slope, curvature, world_m, pixel_m); }
+        if layer > 0u { cover = cover_of(layer, height_m, slope, curvature, world_m, pixel_m, masks); }
         covers[layer] = cover * left;
         left *= 1.0 - cover;
         looks[layer] = vec4<f32>(0.0);

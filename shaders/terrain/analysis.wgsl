@@ -49,15 +49,6 @@ fn plain_light(normal: vec3<f32>, lit: f32) -> vec3<f32> {
     return of_sky + facing * (of_sun - of_sky);
 }
 
-fn overlay_at(level: u32, place: vec2<f32>) -> f32 {
-    let at = level_place(level, place);
-    let found = find(level, clamp(at.sample, vec2<i32>(0), last_sample(level)));
-    if !is_page(found) { return 0.0; }
-    let there = level_place(found.level, place);
-    let at_texel = texel(found, clamp(there.sample, vec2<i32>(0), last_sample(found.level)));
-    return textureLoad(overlay, at_texel.xy, at_texel.z, 0).x;
-}
-
 @fragment
 fn main(pixel: SurfaceVertex) -> @location(0) vec4<f32> {
     let place = (pixel.relative.xz + frame.eye_offset_m) / frame.spacing_m;
@@ -99,7 +90,7 @@ fn main(pixel: SurfaceVertex) -> @location(0) vec4<f32> {
         colour = by_angle(pixel.tile.y * 0.17) * (0.45 + 0.55 * light) * (1.0 - 0.08 * coarse);
     }
     if MODE == 7u {
-        let value = overlay_at(u32(level), place);
+        let value = masks_between(u32(level), place).x;
         let at = (value - frame.overlay_low) / max(frame.overlay_high - frame.overlay_low, 1.0e-12);
         let tint = ramp(vec3<f32>(0.02, 0.16, 0.60), vec3<f32>(0.25, 0.50, 0.85), vec3<f32>(0.62, 0.62, 0.60),
             vec3<f32>(0.90, 0.45, 0.15), vec3<f32>(0.65, 0.06, 0.02), at);

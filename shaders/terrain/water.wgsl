@@ -2,6 +2,9 @@
 #include "scene/light.wgsl"
 #include "lib/screen.wgsl"
 
+// Whether the picture gets the tone curve.
+override IS_TONED: u32 = 1u;
+
 @group(1) @binding(0) var depths: texture_depth_2d;
 
 const DEEP: vec3<f32> = vec3<f32>(0.010, 0.045, 0.060);
@@ -9,15 +12,16 @@ const SHALLOW: vec3<f32> = vec3<f32>(0.09, 0.22, 0.20);
 // Which share of the light a metre of water takes.
 const ABSORPTION: f32 = 0.35;
 
-fn wave(at: vec2<f32>, direction: vec2<f32>, length_m: f32) -> vec2<f32> {
-    return direction * cos(dot(at, direction) * (2.0 * PI / length_m));
+// Of a slope of 1, where it is longer than pixels.
+fn wave(at: vec2<f32>, direction: vec2<f32>, length_m: f32, pixel_m: f32) -> vec2<f32> {
+    let seen = clamp(1.5 - 4.0 * pixel_m / length_m, 0.0, 1.0);
+    return seen * direction * cos(dot(at, direction) * (2.0 * PI / length_m));
 }
 
-// Slopes of a few crossing waves; further off they are too many for a pixel, and show as none.
-fn waves(at: vec2<f32>, distance_m: f32) -> vec2<f32> {
-    let near = 1.0 / (1.0 + distance_m * 0.004);
-    return near * (0.030 * wave(at, vec2<f32>(0.8, 0.6), 7.3) + 0.024 * wave(at, vec2<f32>(-0.4, 0.917), 4.9)
-        + 0.020 * wave(at, vec2<f32>(0.99, -0.14), 2.7) + 0.016 * wave(at, vec2<f32>(-0.71, -0.70), 1.6));
+// Slopes of a few crossing waves, where a pixel is so many metres long.
+fn waves(at: vec2<f32>, pixel_m: f32) -> vec2<f32> {
+    return 0.030 * wave(at, vec2<f32>(0.8, 0.6), 7.3, pixel_m) + 0.024 * wave(at, vec2<f32>(-0.4, 0.917), 4.9, pixel_m)
+        + 0.020 * wave(at, vec2<f32>(0.99, -0.14), 2.7, pixel_m) + 0.016 * wave(at, vec2<f32>(-0.71, -0.70), 1.6, pixel_m);
 }
 
 @fragment
@@ -40,7 +44,9 @@ fn main(pixel: ScreenVertex) -> @location(0) vec4<f32> {
     }
     let through_m = min(to_ground - to_water, 1.0e5) * length(ray);
     let deep_m = max(frame.water_level_m - height_between(0u, place), 0.0);
-    let slopes = waves(relative.xz + frame.eye_offset_m, length(relative));
+    let distance_m = length(relative);
+    let pixel_m = distance_m * distance_m / (frame.sample_px * max(abs(below_m), 1.0e-3));
+    let slopes = waves(relative.xz + frame.eye_offset_m, pixel_m);
     let normal = normalize(vec3<f32>(-slopes.x, 1.0, -slopes.y));
     let to_eye = -normalize(relative);
     let facing = clamp(dot(normal, to_eye), 0.0, 1.0);
@@ -53,7 +59,10 @@ fn main(pixel: ScreenVertex) -> @location(0) vec4<f32> {
     let body = (DEEP + murk * (SHALLOW - DEEP)) * light * 2.0;
     let foam = smoothstep(0.35, 0.0, deep_m) * 0.25;
     let seen = 1.0 - exp(-ABSORPTION * through_m);
-    let colour = body * seen * (1.0 - fresnel) + fresnel * mirror + glint + vec3<f32>(foam) * light;
+    // What is not toned is as bright as plain ground is.
+    let brightness = select(1.0, 0.5 * frame.exposure, IS_TONED == 0u);
+    let colour = brightness * (body * seen * (1.0 - fresnel) + fresnel * mirror + glint + vec3<f32>(foam) * light);
     let alpha = clamp(seen * (1.0 - fresnel) + fresnel + foam, 0.0, 1.0);
+    if IS_TONED == 0u { return vec4<f32>(colour, alpha); }
     return vec4<f32>(hazed(colour / max(alpha, 1.0e-4), relative) * alpha, alpha);
 }

@@ -23,6 +23,7 @@ mod job;
 mod levels;
 mod machine;
 mod memory;
+mod pictures;
 mod presets;
 mod program;
 mod round_trip;

@@ -94,7 +94,9 @@ fn every_mode() {
     let views: Vec<_> = Mode::ALL
         .into_iter()
         .filter(|mode| *mode != Mode::Overlay)
-        .map(|mode| (mode.name(), ViewRequest { mode, ..near() }))
+        // Coarse enough for edges to be seen.
+        .map(|mode| (mode, if mode == Mode::Wireframe { 12.0 } else { 2.0 }))
+        .map(|(mode, max_error_px)| (mode.name(), ViewRequest { mode, max_error_px, ..near() }))
         .collect();
     assert_golden("frazier", &terrain, &views);
 }

@@ -2,13 +2,6 @@
 //! less memory.
 
 #![cfg(test)]
-#![expect(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    reason = "helpers of tests, which clippy does not take for tests"
-)]
-
 mod budget;
 mod flight;
 mod golden;

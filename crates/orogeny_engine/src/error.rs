@@ -74,6 +74,23 @@ pub enum Error {
         /// What is wrong with it.
         detail: String,
     },
+    /// There is neither a GPU nor a software driver. Install one, or draw a map, which needs none.
+    #[error(
+        "there is no GPU and no software driver that could draw (found: {found}); install Mesa's driver (Debian and Ubuntu: `sudo apt-get \
+         install -y libvulkan1 mesa-vulkan-drivers`), or draw a map by `--map`, which needs none"
+    )]
+    NothingDraws {
+        /// The names of the adapters there are.
+        found: String,
+    },
+    /// A mask that the terrain does not have.
+    #[error("there is no mask `{name}`; there are those of the layers {known}")]
+    UnknownMask {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
     /// A number of a picture that is out of its range.
     #[error("{what} is {value}; it may be {low} to {high}")]
     View {

@@ -7,6 +7,9 @@ use crate::{Bounds, Camera, MAX_COARSENING, Tile};
 /// The least error that is worth its triangles, pixels.
 const MIN_ERROR_PX: f64 = 0.1;
 
+/// No vertices are wanted closer than this, pixels from above.
+const MIN_SAMPLE_PX: f64 = 1.0;
+
 /// What is asked of a terrain's heights to choose details. `Tile`s lie on the terrain.
 ///
 /// Both answers are about the *ring* of a tile: the tile and the eight of its level around it. Then a tile never asks for less than what lies
@@ -28,7 +31,8 @@ pub trait Relief {
 /// By what a tile's detail is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Metric {
-    /// By how many pixels what a level leaves out may be high, seen from the side (de Boer 2000): flat ground has few vertices.
+    /// By how many pixels what a level leaves out may be high, seen from the side (de Boer 2000): flat ground has few vertices. None are closer than a pixel,
+    /// seen from above.
     Roughness,
     /// By how many pixels there are between two vertices, seen from above, whatever the heights: nothing changes with them.
     FromAbove,
@@ -84,7 +88,10 @@ impl DetailRule {
             Metric::FromAbove => (accepted_m / grid.spacing_m()).log2(),
             Metric::Roughness => {
                 let error_m = |coarsening: u8| f64::from(relief.ring_error_m(tile, tile.level + coarsening));
-                own + coarsening_by_roughness(accepted_m, max_coarsening, error_m)
+                // Vertices closer than pixels show no more of a rough ground, whatever its error.
+                let pixel_m = distance_m / camera.pixels_at_one_metre();
+                let sample_px = (MIN_SAMPLE_PX * pixel_m / grid.spacing_m()).log2();
+                (own + coarsening_by_roughness(accepted_m, max_coarsening, error_m)).max(sample_px)
             }
         };
         Some(wanted.clamp(finest, coarsest))

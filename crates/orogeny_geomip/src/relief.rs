@@ -41,10 +41,9 @@ impl<'a, S: PageSummaries> PageRelief<'a, S> {
         self.summaries.summary(place)
     }
 
-    /// Lowest and highest height of a tile, the first samples of the next ones included; maybe more than that.
-    pub fn tile_bounds(&self, tile: Tile) -> HeightBounds {
-        let first = tile.origin();
-        self.bounds_over([first, first.map(|first| first + tile.side())], tile.level.saturating_sub(2))
+    /// [`Relief::ring_bounds`] as narrow as pages tell: by more and smaller ones.
+    pub fn narrow_ring_bounds(&self, tile: Tile) -> HeightBounds {
+        self.bounds_over(Self::ring(tile), tile.level.saturating_sub(2))
     }
 
     /// Lowest and highest height of a page, the first samples of the next ones included, as the ground of its last cells lies between

@@ -17,6 +17,7 @@ mod measure;
 mod noise;
 mod opencv;
 mod raise;
+mod render;
 mod report;
 mod smooth;
 mod stores;
@@ -27,7 +28,8 @@ use anyhow::{Context as _, bail};
 use crate::report::Report;
 
 /// What can be measured.
-const WHAT: [&str; 8] = ["raise", "noise", "smooth", "clone", "erode", "codecs", "stores", "terrain"];
+const WHAT: [&str; 9] =
+    ["raise", "noise", "smooth", "clone", "erode", "codecs", "stores", "terrain", "render"];
 
 struct Arguments {
     what: Vec<String>,
@@ -48,6 +50,7 @@ fn main() -> anyhow::Result<()> {
             "codecs" => codecs::run(&mut report, arguments.repeat)?,
             "stores" => stores::run(&mut report, arguments.repeat)?,
             "terrain" => terrain::run(&mut report, arguments.repeat)?,
+            "render" => render::run(&mut report, arguments.repeat)?,
             other => bail!("there is no benchmark `{other}`; there are {}", WHAT.join(", ")),
         }
     }

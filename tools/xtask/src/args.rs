@@ -22,6 +22,7 @@ Usage: cargo xtask COMMAND
   check                   formatting, shaders, lints, documentation, structure, licences; each step timed
       --only NAME         only this step (repeatable)
       --skip NAME         all but this step (repeatable)
+  golden                  draw the golden pictures anew; look at what changed before you keep it
   bench [WHAT...]         measure speed: arguments go to tools/benchsuite
   help                    this text
 
@@ -40,6 +41,8 @@ pub enum Command {
     Demo(Option<PathBuf>),
     /// Run the tests.
     Test(Options),
+    /// Draw the golden pictures anew.
+    Golden,
     /// Run the static checks.
     Check(Selection),
     /// Run the benchmarks with these arguments.
@@ -61,6 +64,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> anyhow::Result<Comman
     match name.as_str() {
         "help" => no_more(parser, Command::Help),
         "setup" => no_more(parser, Command::Setup),
+        "golden" => no_more(parser, Command::Golden),
         "run" => Ok(Command::Run(passed_through(&mut parser)?)),
         "bench" => Ok(Command::Bench(passed_through(&mut parser)?)),
         "demo" => demo(parser),

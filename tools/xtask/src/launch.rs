@@ -1,4 +1,4 @@
-//! `run`, `demo` and `bench`: a release build, then the program itself.
+//! `run`, `demo` and `bench`: a release build, then the program itself; `golden`: pictures drawn anew.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -43,6 +43,23 @@ pub fn demo(folder: Option<PathBuf>) -> anyhow::Result<ExitCode> {
 /// Cargo cannot be started.
 pub fn bench(bench_args: &[OsString]) -> anyhow::Result<ExitCode> {
     run_release("benchsuite", bench_args)
+}
+
+/// Draws the golden pictures anew, in the place of those in `tests/golden/pictures`.
+///
+/// # Errors
+///
+/// Cargo cannot be started.
+pub fn golden() -> anyhow::Result<ExitCode> {
+    setup::graphics(Need::Required)?;
+    let mut command =
+        cargo(["test", "--quiet", "--package", "orogeny_tests", "--test", "pictures", "golden"]);
+    command.env("OROGENY_GOLDEN", "write");
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        command.env("XDG_RUNTIME_DIR", private_runtime_folder()?);
+    }
+    let drawn = status(&mut command)?;
+    Ok(if drawn.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn run_release(package: &str, args: &[OsString]) -> anyhow::Result<ExitCode> {

@@ -43,6 +43,7 @@ fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Run(program_args) => launch::run(&program_args),
         Command::Demo(folder) => launch::demo(folder),
         Command::Test(options) => suite::run(&options),
+        Command::Golden => launch::golden(),
         Command::Check(selection) => check::run(&selection),
         Command::Bench(bench_args) => launch::bench(&bench_args),
     }

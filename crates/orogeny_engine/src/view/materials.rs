@@ -39,11 +39,9 @@ impl Materials {
     /// From what a user types: the name of a set that comes with the program, or the path of a set's JSON file.
     #[must_use]
     pub fn from_name(name: &str) -> Self {
-        if factory_sets().any(|known| known == name) {
-            Self::Factory(name.to_owned())
-        } else {
-            Self::File(PathBuf::from(name))
-        }
+        // A name that is no path is that of a set, even of one that there is not: the error then says which there are.
+        let is_path = name.contains(['.', '/', '\\']);
+        if is_path { Self::File(PathBuf::from(name)) } else { Self::Factory(name.to_owned()) }
     }
 
     /// The sets that come with the program.

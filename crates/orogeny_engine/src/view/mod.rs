@@ -17,7 +17,7 @@ pub use flight::Flight;
 pub use materials::Materials;
 pub use request::{HeightAt, Place, ViewRequest};
 
-use self::source::CompositeSource;
+use self::source::{CompositeSource, SELECTION};
 use crate::composite::Source;
 use crate::picture::{MAX_SIDE_PX, Picture};
 use crate::{Adapter, Error, Observer, Result, Settings, Terrain};
@@ -33,6 +33,9 @@ const PAGES_AT_ONCE: usize = 64;
 /// How far the whole terrain is looked at from above: the tangent.
 const OVERVIEW_TANGENT: f64 = 0.62;
 
+/// Masks that a material set may ask for.
+const MAX_MASKS: usize = 4;
+
 /// Eyes beyond this lose their precision, metres.
 const MAX_PLACE_M: f64 = 1.0e8;
 
@@ -46,6 +49,7 @@ pub struct View<'a> {
     size_px: [u32; 2],
     /// The set whose textures are there.
     materials: Option<Materials>,
+    masks_of_materials: Vec<String>,
 }
 
 /// What a picture was drawn from.
@@ -85,6 +89,7 @@ impl Terrain {
             targets,
             size_px,
             materials: None,
+            masks_of_materials: Vec::new(),
         })
     }
 }
@@ -93,7 +98,10 @@ impl Terrain {
 fn drawing_gpu(settings: &Settings) -> Result<Gpu> {
     let best = || Gpu::open(&AdapterChoice::RealGpu).or_else(|_| Gpu::open(&AdapterChoice::Software));
     Ok(match &settings.adapter {
-        Adapter::Auto | Adapter::Cpu => best()?,
+        Adapter::Auto | Adapter::Cpu => best().map_err(|source| match source {
+            orogeny_gpu::Error::NoAdapter { found, .. } => Error::NothingDraws { found },
+            source => Error::Gpu(source),
+        })?,
         Adapter::Software => Gpu::open(&AdapterChoice::Software)?,
         Adapter::Named(name) => Gpu::open(&AdapterChoice::Named(name.clone()))?,
     })
@@ -109,9 +117,11 @@ impl View<'_> {
         let (eye_m, target_m) = self.places(request)?;
         if request.mode == Mode::Textured && self.materials.as_ref() != Some(&request.materials) {
             let (set, layers) = materials::resolve(&request.materials, self.range_m())?;
+            self.masks_of_materials.clone_from(&set.masks);
             self.renderer.set_materials(set, &layers)?;
             self.materials = Some(request.materials.clone());
         }
+        self.show_masks(request)?;
         let camera = Camera::looking_at(eye_m, target_m, request.fov_degrees.to_radians(), self.size_px);
         let scene = self.scene(request);
         let (grid, layout) = (self.terrain.grid(), self.terrain.store()?.layout());
@@ -122,7 +132,8 @@ impl View<'_> {
         for (chunk, done) in missing.chunks(PAGES_AT_ONCE).zip((0_u64..).step_by(PAGES_AT_ONCE)) {
             crate::progress::report(observer, "reading", done, total)?;
             for place in chunk {
-                self.renderer.upload(*place, &self.source.page(*place)?, None)?;
+                let masks = self.source.masks_over(*place);
+                self.renderer.upload(*place, &self.source.page(*place)?, masks.as_deref())?;
             }
             // So that copies do not pile up.
             self.gpu.queue().submit([]);
@@ -147,6 +158,37 @@ impl View<'_> {
     #[must_use]
     pub const fn adapter(&self) -> &AdapterDescription {
         self.gpu.description()
+    }
+
+    /// Has the masks read that a picture needs.
+    fn show_masks(&mut self, request: &ViewRequest) -> Result<()> {
+        let names = match request.mode {
+            Mode::Overlay => std::slice::from_ref(&request.mask),
+            Mode::Textured => &self.masks_of_materials[..],
+            _ => &[],
+        };
+        if names.len() > MAX_MASKS {
+            return Err(view_error(
+                "the number of masks of the material set",
+                names.len() as f64,
+                [0.0, MAX_MASKS as f64],
+            ));
+        }
+        let mask = |name: &String| {
+            self.source.mask(name).ok_or_else(|| {
+                let layers = self.terrain.layers().unwrap_or_default().iter();
+                let known: Vec<_> = layers.map(|layer| format!("`{}`", layer.name)).collect();
+                Error::UnknownMask {
+                    name: name.clone(),
+                    known: format!("{} and `{SELECTION}`", known.join(", ")),
+                }
+            })
+        };
+        let masks = names.iter().map(mask).collect::<Result<Vec<_>>>()?;
+        if self.source.show(masks) {
+            self.renderer.forget(|_| true);
+        }
+        Ok(())
     }
 
     /// Lowest and highest height of the terrain.
@@ -237,6 +279,7 @@ impl View<'_> {
             range_m,
             contour_m: request.contour_m.unwrap_or_else(|| round_step(span_m / 25.0)),
             overlay_range: [0.0, 1.0],
+            unpainted_masks: self.source.unpainted_masks(),
             cursors: Vec::new(),
         }
     }

@@ -37,6 +37,8 @@ pub struct ViewRequest {
     pub fov_degrees: f64,
     /// What is shown.
     pub mode: Mode,
+    /// In [`Mode::Overlay`]: the name of the layer whose mask is shown, or `selection`.
+    pub mask: String,
     /// What the ground is made of, in [`Mode::Textured`].
     pub materials: Materials,
     /// Where the sun stands: degrees from north, clockwise.
@@ -71,6 +73,7 @@ impl Default for ViewRequest {
             target: None,
             fov_degrees: 45.0,
             mode: Mode::Textured,
+            mask: super::source::SELECTION.to_owned(),
             materials: Materials::default(),
             sun_azimuth_degrees: 300.0,
             sun_altitude_degrees: 32.0,

@@ -5,15 +5,33 @@ use std::collections::HashMap;
 
 use orogeny_field::{FieldId, HeightBounds, Page, PageKey, PageLayout};
 use orogeny_geomip::{PagePlace, PageSummaries, PageSummary};
-use orogeny_store::{Layer, Store};
+use orogeny_store::{FieldKind, Layer, Store};
 
 use crate::Result;
 use crate::composite::{Composite, Source};
+
+/// The name of the terrain's selection among masks.
+pub(super) const SELECTION: &str = "selection";
+
+/// A mask of the terrain: its field, where it was painted, and its value everywhere else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Mask {
+    field: Option<FieldId>,
+    constant: f32,
+}
+
+impl Mask {
+    fn key(&self, PagePlace { level, z, x }: PagePlace) -> Option<PageKey> {
+        Some(PageKey { field: self.field?, level, z, x })
+    }
+}
 
 /// A store's composite.
 pub(super) struct CompositeSource<'a> {
     store: &'a Store,
     layers: Vec<&'a Layer>,
+    /// What is shown over the ground, or asked for by materials.
+    masks: Vec<Mask>,
     known: RefCell<HashMap<PagePlace, PageSummary>>,
 }
 
@@ -24,7 +42,60 @@ fn key(layer: &Layer, PagePlace { level, z, x }: PagePlace) -> PageKey {
 impl<'a> CompositeSource<'a> {
     pub(super) fn new(store: &'a Store) -> Self {
         let layers = store.layers().iter().filter(|layer| layer.visible).collect();
-        Self { store, layers, known: RefCell::default() }
+        Self { store, layers, masks: Vec::new(), known: RefCell::default() }
+    }
+
+    /// The mask of a layer by its name, or the terrain's selection: `selection`.
+    pub(super) fn mask(&self, name: &str) -> Option<Mask> {
+        let layer = self.store.layers().iter().find(|layer| layer.name == name);
+        let field = match layer {
+            // One that was never painted is 1 everywhere.
+            Some(layer) => layer.mask,
+            None if name == SELECTION => {
+                let mut fields = self.store.fields().iter();
+                fields.find(|(_, field)| field.kind == FieldKind::Selection).map(|(id, _)| *id)
+            }
+            None => return None,
+        };
+        let constant = field.and_then(|field| self.store.fields().get(&field)).map(|field| field.constant);
+        Some(Mask { field, constant: constant.unwrap_or(if layer.is_some() { 1.0 } else { 0.0 }) })
+    }
+
+    /// Shows these masks, four at most, from now on; tells whether they are others than before.
+    pub(super) fn show(&mut self, masks: Vec<Mask>) -> bool {
+        let is_new = self.masks != masks;
+        if is_new {
+            self.masks = masks;
+            self.known.borrow_mut().clear();
+        }
+        is_new
+    }
+
+    /// What the masks are where nothing was painted.
+    pub(super) fn unpainted_masks(&self) -> [f32; 4] {
+        let mut unpainted = [0.0; 4];
+        for (to, mask) in unpainted.iter_mut().zip(&self.masks) {
+            *to = mask.constant;
+        }
+        unpainted
+    }
+
+    /// The masks over a page; `None` where none is shown. A damaged one is as if it was never painted.
+    pub(super) fn masks_over(&self, place: PagePlace) -> Option<Vec<[u8; 4]>> {
+        if self.masks.is_empty() {
+            return None;
+        }
+        let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        let mut samples = vec![self.unpainted_masks().map(byte); self.store.layout().num_samples()];
+        for (channel, mask) in self.masks.iter().enumerate() {
+            let page = mask.key(place).and_then(|key| self.store.load_page(&key).ok().flatten());
+            for (sample, value) in samples.iter_mut().zip(page.iter().flat_map(|page| page.samples())) {
+                if let Some(sample) = sample.get_mut(channel) {
+                    *sample = byte(*value);
+                }
+            }
+        }
+        Some(samples)
     }
 
     pub(super) fn layout(&self) -> PageLayout {
@@ -63,6 +134,11 @@ impl<'a> CompositeSource<'a> {
             bounds.max_m += opacity * of_layer.max_m;
             error_m += opacity * of_layer_error_m;
         }
+        let is_masked = |mask: &Mask| {
+            mask.key(place)
+                .is_some_and(|key| self.store.page_surface(&key).is_ok_and(|found| found.is_some()))
+        };
+        is_constant &= !self.masks.iter().any(is_masked);
         PageSummary { bounds, error_m, is_constant }
     }
 }

@@ -35,6 +35,9 @@ pub use scene::{Cursor, Fog, Light, Mode, Scene};
 pub use targets::Targets;
 pub use uniforms::{FrameUniform, MAX_CURSORS, TileInstance};
 
+/// Four masks a sample.
+const OVERLAY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
 /// Texels a side of a shadow map.
 const SHADOW_TEXELS: u32 = 2048;
 
@@ -99,7 +102,8 @@ impl Renderer {
         page_budget_in_bytes: u64,
     ) -> Result<Self> {
         let num_slots = u32::try_from(page_budget_in_bytes / layout.size_in_bytes()).unwrap_or(u32::MAX);
-        let heights = PageTexture::new(gpu, "orogeny.drawn.heights", layout, num_slots)?;
+        let heights =
+            PageTexture::new(gpu, "orogeny.drawn.heights", wgpu::TextureFormat::R32Float, layout, num_slots)?;
         let sampler = |compare| {
             gpu.device().create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("orogeny.smooth"),
@@ -118,7 +122,7 @@ impl Renderer {
             unpainted_m,
             slots: Slots::new(heights.num_slots()),
             heights,
-            overlay: PageTexture::new(gpu, "orogeny.no_overlay", layout, 1)?,
+            overlay: PageTexture::new(gpu, "orogeny.no_overlay", OVERLAY_FORMAT, layout, 1)?,
             active: HashMap::new(),
             num_missing: 0,
             pipelines: Pipelines::new(gpu)?,
@@ -150,19 +154,26 @@ impl Renderer {
         missing
     }
 
-    /// Takes a page that was wanted: heights, and what lies over them in [`Mode::Overlay`]. One for which there is no room is left out.
+    /// Takes a page that was wanted: heights, and four masks over them, a byte each, where 255 is 1: the first is what [`Mode::Overlay`] shows, and they are the
+    /// masks of a material set, in its order. One for which there is no room is left out.
     ///
     /// # Errors
     /// When there is no memory for the overlay.
-    pub fn upload(&mut self, place: PagePlace, heights: &Page, overlay: Option<&Page>) -> Result<()> {
+    pub fn upload(&mut self, place: PagePlace, heights: &Page, masks: Option<&[[u8; 4]]>) -> Result<()> {
         let Some(slot) = self.slots.admit(place) else { return Ok(()) };
-        self.heights.write(&self.gpu, slot, heights);
-        if let Some(overlay) = overlay {
+        self.heights.write(&self.gpu, slot, bytemuck::cast_slice(heights.samples()));
+        if let Some(masks) = masks {
             if self.overlay.num_slots() < self.heights.num_slots() {
                 let num_slots = self.heights.num_slots();
-                self.overlay = PageTexture::new(&self.gpu, "orogeny.drawn.overlay", self.layout, num_slots)?;
+                self.overlay = PageTexture::new(
+                    &self.gpu,
+                    "orogeny.drawn.overlay",
+                    OVERLAY_FORMAT,
+                    self.layout,
+                    num_slots,
+                )?;
             }
-            self.overlay.write(&self.gpu, slot, overlay);
+            self.overlay.write(&self.gpu, slot, bytemuck::cast_slice(masks));
         }
         if self.active.insert(place, Holder::Slot(slot)).is_none() {
             self.num_missing = self.num_missing.saturating_sub(1);
@@ -210,9 +221,15 @@ impl Renderer {
             _ => Vec::new(),
         };
         let mut lists = Lists::default();
-        let picture = lists.append(in_sight.iter().copied());
-        let of_maps: Vec<_> =
-            maps.iter().map(|map| lists.append(tiles::in_map(&tiles, map, camera, to_sun))).collect();
+        let picture = lists.append(in_sight.iter().copied(), 0.0);
+        let top_level = self.layout.top_level(&self.grid);
+        let of_maps: Vec<_> = maps
+            .iter()
+            .map(|map| {
+                let finest = tiles::finest_of_map(map, &self.grid, top_level);
+                lists.append(tiles::in_map(&tiles, map, camera, to_sun), finest)
+            })
+            .collect();
 
         let (eye_m, spacing_m) = (camera.eye_m(), self.grid.spacing_m());
         let eye_sample = [split(eye_m.x, spacing_m).0, split(eye_m.z, spacing_m).0];
@@ -226,7 +243,6 @@ impl Renderer {
             cascades: &maps,
             slots_a_side: PageTexture::slots_a_side(self.layout),
             unpainted_m: self.unpainted_m,
-            viewport: targets.size,
         }
         .uniform();
         let frame = Frame {
@@ -322,7 +338,7 @@ impl Renderer {
             });
             self.draw_screen(
                 &mut pass,
-                &self.pipelines.water,
+                self.pipelines.water(scene.mode == Mode::Textured),
                 frame,
                 &[wgpu::BindingResource::TextureView(&depth)],
             );

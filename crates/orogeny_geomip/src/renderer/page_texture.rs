@@ -1,12 +1,12 @@
-//! The slots of pages that pictures are drawn from: squares of a texture array.
+//! The slots of pages that pictures are drawn from: squares of a texture array, four bytes a sample.
 
-use orogeny_field::{Page, PageLayout};
+use orogeny_field::PageLayout;
 use orogeny_gpu::{Gpu, Result};
 
 /// Samples a side of a layer: 8 x 8 pages of 256.
 const LAYER_SIDE: u32 = 2048;
 
-/// One value a sample, in as many slots as fit a budget.
+/// Four bytes a sample, in as many slots as fit a budget.
 #[derive(Debug)]
 pub(super) struct PageTexture {
     texture: wgpu::Texture,
@@ -16,7 +16,13 @@ pub(super) struct PageTexture {
 
 impl PageTexture {
     /// With room for `num_slots` pages, rounded down to whole layers, but at least one. `label` is for debuggers.
-    pub(super) fn new(gpu: &Gpu, label: &str, layout: PageLayout, num_slots: u32) -> Result<Self> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        label: &str,
+        format: wgpu::TextureFormat,
+        layout: PageLayout,
+        num_slots: u32,
+    ) -> Result<Self> {
         let slots_a_side = Self::slots_a_side(layout);
         let slots_a_layer = slots_a_side * slots_a_side;
         let num_layers = (num_slots / slots_a_layer).clamp(1, gpu.device().limits().max_texture_array_layers);
@@ -27,7 +33,7 @@ impl PageTexture {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::R32Float,
+            format,
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         })?;
@@ -51,7 +57,7 @@ impl PageTexture {
     }
 
     /// Copies a page into a slot, before whatever is submitted next.
-    pub(super) fn write(&self, gpu: &Gpu, slot: u32, page: &Page) {
+    pub(super) fn write(&self, gpu: &Gpu, slot: u32, samples: &[u8]) {
         let (size, slots_a_side) = (self.layout.size(), Self::slots_a_side(self.layout));
         let slots_a_layer = slots_a_side * slots_a_side;
         let cell = slot % slots_a_layer;
@@ -66,7 +72,7 @@ impl PageTexture {
                 },
                 aspect: wgpu::TextureAspect::All,
             },
-            bytemuck::cast_slice(page.samples()),
+            samples,
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size * 4), rows_per_image: None },
             wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
         );

@@ -23,8 +23,8 @@ enum Ground {
 pub(super) struct Pipelines {
     pub(super) shadow: Drawing,
     pub(super) sky: Drawing,
-    pub(super) water: Drawing,
-    /// By whether the tone curve is applied.
+    /// These two by whether the tone curve is applied.
+    water: [Drawing; 2],
     tone: [Drawing; 2],
     ground: HashMap<Ground, Drawing>,
 }
@@ -69,6 +69,14 @@ impl Pipelines {
                 ..screen.clone()
             })
         };
+        let water = |is_toned: u32| {
+            gpu.drawing(&DrawingRequest {
+                fragment: Some("terrain/water"),
+                constants: &[("IS_TONED", is_toned)],
+                colour: Some(target(LIGHT_FORMAT, Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING))),
+                ..screen.clone()
+            })
+        };
         Ok(Self {
             shadow: gpu.drawing(&DrawingRequest {
                 depth: Some(depth(wgpu::CompareFunction::Less, true)),
@@ -81,11 +89,7 @@ impl Pipelines {
                 depth: Some(depth(wgpu::CompareFunction::GreaterEqual, false)),
                 ..screen.clone()
             })?,
-            water: gpu.drawing(&DrawingRequest {
-                fragment: Some("terrain/water"),
-                colour: Some(target(LIGHT_FORMAT, Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING))),
-                ..screen.clone()
-            })?,
+            water: [water(0)?, water(1)?],
             tone: [tone(0)?, tone(1)?],
             ground: HashMap::new(),
         })
@@ -132,6 +136,12 @@ impl Pipelines {
     /// What draws its edges, in a mode that shows them.
     pub(super) fn edges(&self, mode: Mode) -> Option<&Drawing> {
         self.ground.get(&Self::grounds(mode).nth(1)?)
+    }
+
+    /// What draws water.
+    pub(super) const fn water(&self, is_toned: bool) -> &Drawing {
+        let [plain, toned] = &self.water;
+        if is_toned { toned } else { plain }
     }
 
     /// What makes a picture of light.

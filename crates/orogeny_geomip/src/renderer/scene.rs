@@ -23,7 +23,7 @@ pub enum Mode {
     Normals,
     /// How finely each tile is drawn.
     Details,
-    /// A field over the ground: a mask, or the difference to another state.
+    /// A mask over the ground.
     Overlay,
 }
 
@@ -55,7 +55,7 @@ impl Mode {
             Self::Contours => "contours",
             Self::Normals => "normals",
             Self::Details => "details",
-            Self::Overlay => "overlay",
+            Self::Overlay => "mask",
         }
     }
 
@@ -136,6 +136,8 @@ pub struct Scene {
     pub contour_m: f32,
     /// Values of the first and the last colour of the overlay.
     pub overlay_range: [f32; 2],
+    /// What the four masks are where nothing was painted, 0..=1.
+    pub unpainted_masks: [f32; 4],
     /// Brushes' rings.
     pub cursors: Vec<Cursor>,
 }

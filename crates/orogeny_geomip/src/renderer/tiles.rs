@@ -6,7 +6,9 @@ use std::ops::Range;
 use orogeny_field::TerrainGrid;
 
 use super::uniforms::TileInstance;
-use crate::{Bounds, Camera, Cascade, DrawnTile, Frustum, PageRelief, PageSummaries, Relief as _};
+use crate::{
+    Bounds, Camera, Cascade, DrawnTile, Frustum, MAX_COARSENING, PageRelief, PageSummaries, above_horizon,
+};
 
 /// A tile with the box that it is drawn in.
 #[derive(Debug, Clone, Copy)]
@@ -30,11 +32,12 @@ pub(super) struct Lists {
 }
 
 impl Lists {
-    /// Appends the tiles of one pass, by their steps.
-    pub(super) fn append<'a>(&mut self, tiles: impl Iterator<Item = &'a Placed>) -> Vec<Batch> {
+    /// Appends the tiles of one pass, by their steps, none of them finer than a detail.
+    pub(super) fn append<'a>(&mut self, tiles: impl Iterator<Item = &'a Placed>, finest: f32) -> Vec<Batch> {
         let mut by_step: BTreeMap<u32, Vec<TileInstance>> = BTreeMap::new();
         for placed in tiles {
-            by_step.entry(placed.drawn.step()).or_default().push((&placed.drawn).into());
+            let drawn = coarsened(&placed.drawn, finest);
+            by_step.entry(drawn.step()).or_default().push((&drawn).into());
         }
         by_step
             .into_iter()
@@ -47,6 +50,17 @@ impl Lists {
     }
 }
 
+/// A tile, drawn no more finely than a detail. Its rim follows by the same rule, so that tiles still meet.
+fn coarsened(drawn: &DrawnTile, finest: f32) -> DrawnTile {
+    DrawnTile { detail: drawn.detail.max(finest), rim: drawn.rim.map(|rim| rim.max(finest)), ..*drawn }
+}
+
+/// The detail from which on a map shows no more: samples as wide as its texels. No further from full resolution than the finest tile may be drawn.
+pub(super) fn finest_of_map(cascade: &Cascade, grid: &TerrainGrid, top_level: u8) -> f32 {
+    let texel = (cascade.texel_m / grid.spacing_m()).log2();
+    texel.clamp(0.0, f64::from(MAX_COARSENING.min(top_level))) as f32
+}
+
 /// All tiles with their boxes. A coarse surface stays between the heights of a tile's ring.
 pub(super) fn placed<S: PageSummaries>(
     drawn: &[DrawnTile],
@@ -56,17 +70,23 @@ pub(super) fn placed<S: PageSummaries>(
     drawn
         .iter()
         .filter_map(|drawn| {
-            let heights = relief.ring_bounds(drawn.tile);
+            let heights = relief.narrow_ring_bounds(drawn.tile);
             let bounds = Bounds::of_samples(drawn.tile.samples(grid)?, heights, grid.spacing_m());
             Some(Placed { drawn: *drawn, bounds })
         })
         .collect()
 }
 
-/// Of these, what the picture shows.
+/// Of these, what the picture shows: in its frustum, and not behind nearer ground.
 pub(super) fn in_sight<'a>(tiles: &'a [Placed], camera: &Camera) -> Vec<&'a Placed> {
     let frustum = Frustum::of(camera);
-    tiles.iter().filter(|placed| frustum.may_show(&placed.bounds)).collect()
+    // What lies beside the picture is asked too: a ray's way is straight, whatever the picture shows of it.
+    let boxes: Vec<_> = tiles.iter().map(|placed| placed.bounds).collect();
+    let above = above_horizon(&boxes, camera.eye_m());
+    let all = tiles.iter().zip(above);
+    all.filter(|(placed, is_above)| *is_above && frustum.may_show(&placed.bounds))
+        .map(|(placed, _)| placed)
+        .collect()
 }
 
 /// Of these, what may throw a shadow that a map holds.

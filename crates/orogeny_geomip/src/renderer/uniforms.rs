@@ -47,9 +47,11 @@ pub struct FrameUniform {
     pub sample_px: f32,
     pub overlay_low: f32,
     pub overlay_high: f32,
-    pub viewport: [f32; 2],
     pub num_cursors: u32,
     pub num_cascades: u32,
+    pub pad_a: u32,
+    pub pad_b: u32,
+    pub unpainted_masks: [f32; 4],
     pub cascades: [[[f32; 4]; 4]; MAX_CASCADES],
     pub cascade_texel_m: [f32; 4],
     pub windows: [[i32; 4]; MAX_LEVELS],
@@ -92,7 +94,6 @@ pub(super) struct FrameParts<'a> {
     pub(super) cascades: &'a [Cascade],
     pub(super) slots_a_side: u32,
     pub(super) unpainted_m: f32,
-    pub(super) viewport: [u32; 2],
 }
 
 /// The sample to the north-west of a place along one axis, and the metres from there to the place.
@@ -151,9 +152,11 @@ impl FrameParts<'_> {
             sample_px: camera.pixels_at_one_metre() as f32,
             overlay_low: scene.overlay_range[0],
             overlay_high: scene.overlay_range[1],
-            viewport: self.viewport.map(|side| side as f32),
             num_cursors: scene.cursors.len().min(MAX_CURSORS) as u32,
             num_cascades: self.cascades.len() as u32,
+            pad_a: 0,
+            pad_b: 0,
+            unpainted_masks: scene.unpainted_masks,
             cascades,
             cascade_texel_m,
             windows: self.table.windows(),

@@ -90,7 +90,7 @@ fn assert_levels(store: &Store, plane: &Plane) {
             assert_eq!(bounds.is_some(), found.is_some());
             let expected = plane.bounds(x0 << level, z0 << level, size << level);
             assert_eq!(bounds.unwrap_or(HeightBounds::of(CONSTANT_M)), expected, "{key:?}");
-            let error_m = error_of(&store, &key).unwrap_or(0.0);
+            let error_m = error_of(store, &key).unwrap_or(0.0);
             let off = furthest(plane, &level_plane, level, [x0, z0], size);
             assert!(off <= error_m * 1.0001 + 0.01, "{key:?}: {off} {error_m}");
             // Of one level alone it is what it says.

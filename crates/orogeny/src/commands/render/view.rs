@@ -31,6 +31,9 @@ pub struct ViewArguments {
     /// What the ground is made of: alpine, arctic, desert, volcanic, or a JSON file of a set of your own
     #[arg(long, value_name = "SET", default_value = "alpine", conflicts_with = "map")]
     materials: String,
+    /// For --mode mask: the name of the layer whose mask is shown, or `selection`
+    #[arg(long, value_name = "LAYER", default_value = "selection", conflicts_with = "map")]
+    mask: String,
     /// Where the sun stands: degrees from north, clockwise, and above the horizon
     #[arg(long, value_name = "AZIMUTH,ALTITUDE", default_value = "300,32", value_parser = values::sun, allow_hyphen_values = true, conflicts_with = "map")]
     sun: [f64; 2],
@@ -87,6 +90,8 @@ enum ModeName {
     Normals,
     /// How finely each tile is drawn
     Details,
+    /// A mask over the ground: see --mask
+    Mask,
 }
 
 impl From<ModeName> for Mode {
@@ -101,6 +106,7 @@ impl From<ModeName> for Mode {
             ModeName::Contours => Self::Contours,
             ModeName::Normals => Self::Normals,
             ModeName::Details => Self::Details,
+            ModeName::Mask => Self::Overlay,
         }
     }
 }
@@ -125,6 +131,7 @@ impl Arguments {
             target: view.target,
             fov_degrees: view.fov,
             mode: view.mode.into(),
+            mask: view.mask.clone(),
             materials: Materials::from_name(&view.materials),
             sun_azimuth_degrees: view.sun[0],
             sun_altitude_degrees: view.sun[1],
