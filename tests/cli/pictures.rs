@@ -10,7 +10,7 @@ fn terrain() -> Folder {
     let brush = json!({"type": "raise", "radius": 300, "strength": 150});
     let recipe =
         json!({"operations": [{"op": "stroke", "brush": brush, "points": [[600, 500], [800, 450]]}]});
-    folder.write("recipe.json", &recipe.to_string());
+    folder.write("recipe.json", recipe.to_string());
     folder.succeed("apply t.orogeny recipe.json");
     folder
 }
@@ -61,7 +61,7 @@ fn a_flight_writes_numbered_pictures() {
     let folder = terrain();
     let key = |x: u32| json!({"eye": [x, 60, 950], "target": [600, 20, 500]});
     let flight = json!({"frames": 3, "above_ground": true, "keys": [key(200), key(900)]});
-    folder.write("way.json", &flight.to_string());
+    folder.write("way.json", flight.to_string());
     let report = folder
         .succeed("render t.orogeny out.png --size 48x32 --mode shaded --fly way.json --adapter software");
     assert_eq!(report["files"], json!(["out-0001.png", "out-0002.png", "out-0003.png"]));
@@ -75,26 +75,26 @@ fn a_flight_writes_numbered_pictures() {
 fn a_material_set_of_a_user_s_own_shows_and_a_broken_one_is_named() {
     let folder = terrain();
     let set = |surface: &str| json!({"name": "mine", "layers": [{"name": "all", "surface": surface}, {"name": "steep", "surface": "rock", "slope_degrees": [20, 90]}]});
-    folder.write("sand.json", &set("sand").to_string());
-    folder.write("snow.json", &set("snow").to_string());
+    folder.write("sand.json", set("sand").to_string());
+    folder.write("snow.json", set("snow").to_string());
     for name in ["sand", "snow"] {
         folder.succeed(&format!(
             "render t.orogeny {name}.png --size 48x32 --materials {name}.json --adapter software"
         ));
     }
     assert_ne!(folder.read("sand.png"), folder.read("snow.png"));
-    folder.write("broken.json", &set("cheese").to_string());
+    folder.write("broken.json", set("cheese").to_string());
     let ran = folder.run("render t.orogeny out.png --size 48x32 --materials broken.json --adapter software");
     ran.assert_failed("broken set", &["broken.json", "cheese"]);
     let ran = folder.run("render t.orogeny out.png --size 48x32 --materials lost.json --adapter software");
     ran.assert_failed("lost set", &["lost.json"]);
     let files = json!({"name": "mine", "layers": [{"name": "all", "surface": {"albedo": "lost.png"}}]});
-    folder.write("files.json", &files.to_string());
+    folder.write("files.json", files.to_string());
     let ran = folder.run("render t.orogeny out.png --size 48x32 --materials files.json --adapter software");
     ran.assert_failed("lost texture", &["lost.png"]);
     // A picture of the program's own is a texture as good as any.
     let files = json!({"name": "mine", "layers": [{"name": "all", "surface": {"albedo": "sand.png"}}]});
-    folder.write("files.json", &files.to_string());
+    folder.write("files.json", files.to_string());
     folder.succeed("render t.orogeny out.png --size 48x32 --materials files.json --adapter software");
 }
 
@@ -103,7 +103,7 @@ fn masks_show_over_the_ground_and_hold_materials_back() {
     let folder = Folder::new();
     folder.succeed("new t.orogeny --size 500x500 --spacing 2 --height 100");
     let set = json!({"name": "mine", "layers": [{"name": "all", "surface": "grass"}, {"name": "snow", "surface": "snow", "mask": "Base"}]});
-    folder.write("set.json", &set.to_string());
+    folder.write("set.json", set.to_string());
     let draw = |name: &str, more: &str| {
         folder.succeed(&format!("render t.orogeny {name}.png --size 64x48 --adapter software {more}"));
         folder.read(&format!("{name}.png"))
@@ -111,7 +111,7 @@ fn masks_show_over_the_ground_and_hold_materials_back() {
     let (nothing, snow) = (draw("a", "--mode mask"), draw("b", "--materials set.json"));
     let stroke = |target: &str, brush: &str| json!({"op": "stroke", "target": target, "brush": {"type": brush, "radius": 250}, "points": [[500, 500]]});
     let recipe = json!({"operations": [stroke("selection", "paint_mask"), stroke("mask", "erase_mask")]});
-    folder.write("recipe.json", &recipe.to_string());
+    folder.write("recipe.json", recipe.to_string());
     folder.succeed("apply t.orogeny recipe.json");
     // The ground is as flat as before; what lies over it shows all the same.
     let (selection, mask) = (draw("c", "--mode mask"), draw("d", "--mode mask --mask Base"));
