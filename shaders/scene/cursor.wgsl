@@ -3,18 +3,19 @@
 
 const RING: vec3<f32> = vec3<f32>(1.0, 0.75, 0.15);
 
+// In uniform control flow only.
 fn with_cursors(colour: vec3<f32>, relative: vec3<f32>) -> vec3<f32> {
     var drawn = colour;
-    let metre_px = frame.sample_px / max(length(relative), 1.0e-3);
     for (var k = 0u; k < frame.num_cursors; k++) {
         let cursor = frame.cursors[k];
         let away_m = length(relative.xz - cursor.xy);
-        if away_m < cursor.z + 4.0 / metre_px {
+        let pixel_m = max(fwidth(away_m), 1.0e-6);
+        if away_m < cursor.z + 4.0 * pixel_m {
             let inner = cursor.z * cursor.w;
             let fade = clamp((away_m - inner) / max(cursor.z - inner, 1.0e-6), 0.0, 1.0);
             let strength = 1.0 - fade * fade * (3.0 - 2.0 * fade);
             drawn += 0.18 * strength * (RING - drawn);
-            let ring = clamp(1.6 - abs(away_m - cursor.z) * metre_px, 0.0, 1.0);
+            let ring = clamp(1.6 - abs(away_m - cursor.z) / pixel_m, 0.0, 1.0);
             drawn += ring * (RING - drawn);
         }
     }

@@ -93,6 +93,7 @@ fn the_demo_does_it_in_one_go_and_again() {
         "recipe.json",
         "before.png",
         "after.png",
+        "view.png",
         "terrain.tif",
         "terrain.png",
         "terrain.png.json",

@@ -122,3 +122,35 @@ fn masks_show_over_the_ground_and_hold_materials_back() {
     let ran = folder.run("render t.orogeny out.png --size 48x32 --materials lunar --adapter software");
     ran.assert_failed("lost set", &["lunar", "alpine"]);
 }
+
+#[test]
+fn the_sets_that_come_along_are_listed_and_can_be_started_from() {
+    let folder = terrain();
+    let sets = folder.succeed("materials")["sets"].clone();
+    let names: Vec<_> =
+        sets.as_array().unwrap().iter().map(|set| set["name"].as_str().unwrap().to_owned()).collect();
+    assert_eq!(names, ["alpine", "arctic", "desert", "volcanic"]);
+    let told = folder.run("materials");
+    assert!(told.stdout.contains("desert") && told.stdout.contains("cracked_earth"), "{}", told.stdout);
+    let desert = folder.run("materials desert");
+    folder.write("mine.json", &desert.stdout);
+    folder.succeed("render t.orogeny mine.png --size 48x32 --materials mine.json --adapter software");
+    folder.succeed("render t.orogeny theirs.png --size 48x32 --materials desert --adapter software");
+    assert_eq!(folder.read("mine.png"), folder.read("theirs.png"));
+    folder.run("materials lunar").assert_failed("no such set", &["lunar", "alpine"]);
+}
+
+#[test]
+fn a_brush_s_ring_shows_where_it_is() {
+    let folder = terrain();
+    let draw = |name: &str, more: &str| {
+        folder.succeed(&format!(
+            "render t.orogeny {name}.png --size 64x48 --mode shaded --adapter software {more}"
+        ));
+        folder.read(&format!("{name}.png"))
+    };
+    let plain = draw("a", "");
+    assert_ne!(draw("b", "--cursor 700,500,200,0.5"), plain);
+    assert_eq!(draw("c", "--cursor 90000,500,200,0.5"), plain);
+    folder.run("render t.orogeny d.png --cursor 1,2,0,0").assert_failed("no radius", &["radius"]);
+}

@@ -3,10 +3,10 @@
 //! A picture may differ by rounding: no more than [`MAX_MEAN`] of a channel's 255 in the mean, and [`FAR`] in [`MAX_SHARE_FAR`] of its pixels. One that differs more
 //! leaves `NAME.expected.png`, `NAME.actual.png` and `NAME.difference.png` in `target/pictures/`.
 
-use std::io::Cursor;
+use std::io;
 use std::path::Path;
 
-use orogeny_engine::{HeightAt, Mode, Picture, Terrain, ViewRequest};
+use orogeny_engine::{Cursor, HeightAt, Mode, Picture, Terrain, ViewRequest};
 use orogeny_tests::{repository, skip};
 
 use crate::views::{difference, draw, frazier, imported, place};
@@ -18,7 +18,7 @@ const MAX_SHARE_FAR: f64 = 0.01;
 const SIZE: [u32; 2] = [320, 180];
 
 fn decoded(bytes: &[u8]) -> Picture {
-    let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
+    let mut reader = png::Decoder::new(io::Cursor::new(bytes)).read_info().unwrap();
     let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
     let frame = reader.next_frame(&mut rgb).unwrap();
     assert_eq!(frame.color_type, png::ColorType::Rgb);
@@ -110,7 +110,11 @@ fn sun_water_haze_and_material_sets() {
     let haze = ViewRequest { haze: 6.0, ..near() };
     let flat = ViewRequest { mode: Mode::Shaded, slope_exaggeration: 4.0, has_shadows: false, ..near() };
     let set = |name: &str| ViewRequest { materials: orogeny_engine::Materials::from_name(name), ..near() };
+    let cursor = |x_m: f64, radius_m: f32| Cursor { centre_m: [x_m, 12_000.0], radius_m, hardness: 0.4 };
+    let rings = vec![cursor(13_000.0, 900.0), cursor(15_500.0, 500.0)];
+    let cursors = ViewRequest { mode: Mode::Shaded, cursors: rings, ..near() };
     let views = [
+        ("cursors", cursors),
         ("low-sun", low),
         ("water", water),
         ("haze", haze),

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
-    apply, brushes, check, compact, custom, demo, doctor, export, import, info, jump, log, new, presets,
-    redo, render, replay, salvage, undo,
+    apply, brushes, check, compact, custom, demo, doctor, export, import, info, jump, log, materials, new,
+    presets, redo, render, replay, salvage, undo,
 };
 
 /// A GPU brush engine for heightfields: make, import, brush, undo, draw and export terrains.
@@ -82,6 +82,8 @@ pub enum Command {
     Brushes(brushes::Arguments),
     /// List, show, draw, share and save presets: brushes under names
     Presets(presets::Arguments),
+    /// List the material sets of pictures, or write one to start a set of your own from
+    Materials(materials::Arguments),
     /// Look over a custom brush, once or whenever its file changes
     Custom(custom::Arguments),
     /// Tell what this machine can do

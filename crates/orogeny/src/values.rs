@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use clap::ValueEnum;
-use orogeny_engine::{ByteOrder, HeightAt, NodataPolicy, Place, SampleType};
+use orogeny_engine::{ByteOrder, Cursor, HeightAt, NodataPolicy, Place, SampleType};
 
 /// Two whole numbers, as `4096x2048`.
 ///
@@ -39,6 +39,16 @@ pub fn view_place(text: &str) -> Result<Place, String> {
     let is_above = text.split(',').nth(1).is_some_and(|y| y.trim().starts_with('+'));
     let height = if is_above { HeightAt::AboveGround(y_m) } else { HeightAt::Absolute(y_m) };
     Ok(Place { x_m, height, z_m })
+}
+
+/// A brush's ring: `X,Z,RADIUS,HARDNESS`.
+pub fn cursor(text: &str) -> Result<Cursor, String> {
+    let [x, z, radius, hardness] = numbers(text, "X,Z,RADIUS,HARDNESS")?;
+    if radius > 0.0 && (0.0..=1.0).contains(&hardness) {
+        Ok(Cursor { centre_m: [x, z], radius_m: radius as f32, hardness: hardness as f32 })
+    } else {
+        Err("the radius must be above 0, the hardness 0 to 1".to_owned())
+    }
 }
 
 /// Where the sun stands, in degrees: `AZIMUTH,ALTITUDE`.

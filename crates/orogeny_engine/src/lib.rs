@@ -65,7 +65,7 @@ pub use orogeny_field::{
 pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,
 };
-pub use orogeny_geomip::{FrameReport, Metric, Mode};
+pub use orogeny_geomip::{Cursor, FrameReport, Metric, Mode};
 pub use orogeny_gpu::{AdapterDescription, list_adapters};
 pub use orogeny_store::{
     Change, CheckReport, Direction as HistoryDirection, Dropped, Entry, EntryId, EntryState, HistorySummary,
@@ -76,4 +76,6 @@ pub use presets::{Preset, Presets};
 pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;
 pub use terrain::Terrain;
-pub use view::{Drawn, Flight, HeightAt, Materials, Place, View, ViewRequest};
+pub use view::{
+    Drawn, Flight, HeightAt, MaterialDescription, Materials, Place, View, ViewRequest, material_descriptions,
+};

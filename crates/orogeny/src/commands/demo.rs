@@ -7,8 +7,8 @@ use std::time::Instant;
 use anyhow::anyhow;
 use clap::Args;
 use orogeny_engine::{
-    Applied, BrushType, ExportOptions, ExportRequest, ImportRequest, MapRequest, Operation, Presets, Recipe,
-    Terrain,
+    Applied, BrushType, Error, ExportOptions, ExportRequest, HeightAt, ImportRequest, MapRequest, Operation,
+    Place, Presets, Recipe, Terrain, ViewRequest,
 };
 use serde::Serialize;
 
@@ -21,6 +21,8 @@ const RASTER_NAME: &str = "frazier_1024_int16.tif";
 const RECIPE: &str = include_str!("../../../../assets/demo/recipe.json");
 /// Room for a pixel a sample.
 const PICTURE_PX: [u32; 2] = [2048, 2048];
+/// Pixels of the view.
+const VIEW_PX: [u32; 2] = [960, 540];
 /// A stroke that nobody wants, to be undone.
 const MISTAKE: &str = r#"{"op": "stroke", "points": [[4000, 4000], [20000, 26000]],
     "brush": {"type": "raise", "radius": 2500, "strength": 3000}}"#;
@@ -75,6 +77,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let operations = demo.paint(&mut terrain)?;
     demo.undo_a_mistake(&mut terrain)?;
     demo.draw(&terrain, "after.png", Some(range_m))?;
+    demo.look(&terrain, "view.png")?;
     demo.export(&terrain)?;
     terrain.close()?;
 
@@ -111,6 +114,28 @@ impl Demo<'_> {
         let summary = terrain.draw_map(&request, &mut ProgressWatch::new())?;
         self.step(format!("drew {name}: {} x {} pixels", summary.width_px, summary.height_px))?;
         Ok(summary.range_m)
+    }
+
+    /// Draws the painted ridge as it is seen from the south-west, where there is something that draws.
+    fn look(&mut self, terrain: &Terrain, name: &str) -> anyhow::Result<()> {
+        let request = ViewRequest {
+            size_px: VIEW_PX,
+            eye: Some(Place { x_m: 9_500.0, height: HeightAt::AboveGround(1_300.0), z_m: 24_500.0 }),
+            target: Some(Place { x_m: 14_500.0, height: HeightAt::AboveGround(0.0), z_m: 14_000.0 }),
+            sun_azimuth_degrees: 270.0,
+            sun_altitude_degrees: 24.0,
+            ..ViewRequest::default()
+        };
+        let drawn =
+            match terrain.view(VIEW_PX).and_then(|mut view| view.draw(&request, &mut ProgressWatch::new())) {
+                Err(err @ Error::NothingDraws { .. }) => {
+                    return self.output.line(&format!("note: no {name}: {err}"));
+                }
+                drawn => drawn?,
+            };
+        drawn.picture.write(&self.path(name))?;
+        let [width, height] = VIEW_PX;
+        self.step(format!("drew {name}: {width} x {height} pixels, {} triangles", drawn.report.num_triangles))
     }
 
     fn paint(&mut self, terrain: &mut Terrain) -> anyhow::Result<Vec<Applied>> {

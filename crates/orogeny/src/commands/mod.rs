@@ -12,6 +12,7 @@ pub mod import;
 pub mod info;
 pub mod jump;
 pub mod log;
+pub mod materials;
 pub mod new;
 pub mod presets;
 pub mod redo;
@@ -45,6 +46,7 @@ pub fn run(command: Command, session: &Session) -> anyhow::Result<()> {
         Command::Export(arguments) => export::run(arguments, session),
         Command::Render(arguments) => render::run(arguments, session),
         Command::Brushes(arguments) => brushes::run(&arguments, session),
+        Command::Materials(arguments) => materials::run(&arguments, session),
         Command::Custom(arguments) => custom::run(&arguments, session),
         Command::Presets(arguments) => presets::run(&arguments, session),
         Command::Doctor(arguments) => doctor::run(&arguments, session),

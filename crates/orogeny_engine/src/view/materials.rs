@@ -20,6 +20,30 @@ const ROUGHNESS: u8 = 217;
 /// A normal straight up.
 const UPRIGHT: [u8; 2] = [128, 128];
 
+/// A set that comes with the program, for people.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct MaterialDescription {
+    /// What it is asked for by.
+    pub name: String,
+    /// What it is for.
+    pub description: String,
+    /// Its layers, the lowest first.
+    pub layers: Vec<String>,
+}
+
+/// The sets that come with the program.
+///
+/// # Errors
+/// [`Error::Material`] if one of them could not be read, which a test rules out.
+pub fn material_descriptions() -> Result<Vec<MaterialDescription>> {
+    let describe = |name: &str| {
+        let MaterialSet { description, layers, .. } = factory_set(name)?;
+        let layers = layers.into_iter().map(|layer| layer.name).collect();
+        Ok(MaterialDescription { name: name.to_owned(), description, layers })
+    };
+    factory_sets().map(describe).collect()
+}
+
 /// Which materials a picture shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Materials {
@@ -42,11 +66,6 @@ impl Materials {
         // A name that is no path is that of a set, even of one that there is not: the error then says which there are.
         let is_path = name.contains(['.', '/', '\\']);
         if is_path { Self::File(PathBuf::from(name)) } else { Self::Factory(name.to_owned()) }
-    }
-
-    /// The sets that come with the program.
-    pub fn factory_names() -> impl Iterator<Item = &'static str> {
-        factory_sets()
     }
 
     /// The set, as JSON that a user may start a set of their own from.

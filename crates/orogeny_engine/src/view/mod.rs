@@ -8,13 +8,13 @@ mod source;
 use glam::DVec3;
 use orogeny_field::SampleRect;
 use orogeny_geomip::{
-    Camera, DetailRule, Fog, FrameReport, Light, Mode, PagePlace, PageRelief, PageSummaries as _, Renderer,
-    Scene, Sky, Targets,
+    Camera, DetailRule, Fog, FrameReport, Light, MAX_CURSORS, Mode, PagePlace, PageRelief,
+    PageSummaries as _, Renderer, Scene, Sky, Targets,
 };
 use orogeny_gpu::{AdapterChoice, AdapterDescription, Gpu};
 
 pub use flight::Flight;
-pub use materials::Materials;
+pub use materials::{MaterialDescription, Materials, material_descriptions};
 pub use request::{HeightAt, Place, ViewRequest};
 
 use self::source::{CompositeSource, SELECTION};
@@ -280,7 +280,7 @@ impl View<'_> {
             contour_m: request.contour_m.unwrap_or_else(|| round_step(span_m / 25.0)),
             overlay_range: [0.0, 1.0],
             unpainted_masks: self.source.unpainted_masks(),
-            cursors: Vec::new(),
+            cursors: request.cursors.clone(),
         }
     }
 }
@@ -319,6 +319,7 @@ impl ViewRequest {
             ("the exposure (stops)", f64::from(self.exposure_stops), [-20.0, 20.0]),
             ("the error in pixels", self.max_error_px, [0.1, 100.0]),
             ("the step of contour lines (m)", f64::from(self.contour_m.unwrap_or(1.0)), [1.0e-4, 1.0e7]),
+            ("the number of brushes' rings", self.cursors.len() as f64, [0.0, MAX_CURSORS as f64]),
             ("the water's level (m)", f64::from(self.water_level_m.unwrap_or(0.0)), [-1.0e7, 1.0e7]),
         ];
         match ranges.into_iter().find(|(_, value, [low, high])| !(*low..=*high).contains(value)) {

@@ -1,6 +1,6 @@
 //! What a picture of a terrain is asked to show.
 
-use orogeny_geomip::{Metric, Mode};
+use orogeny_geomip::{Cursor, Metric, Mode};
 
 use super::Materials;
 
@@ -53,6 +53,8 @@ pub struct ViewRequest {
     pub exposure_stops: f32,
     /// Whether there are shadows.
     pub has_shadows: bool,
+    /// Brushes' rings on the ground, 32 at most.
+    pub cursors: Vec<Cursor>,
     /// Height of a plane of water, metres.
     pub water_level_m: Option<f32>,
     /// Heights of the first and the last colour, metres; `None`: those of the terrain.
@@ -81,6 +83,7 @@ impl Default for ViewRequest {
             slope_exaggeration: 1.0,
             exposure_stops: 0.0,
             has_shadows: true,
+            cursors: Vec::new(),
             water_level_m: None,
             range_m: None,
             contour_m: None,

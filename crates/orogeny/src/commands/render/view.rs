@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use orogeny_engine::{Drawn, FrameReport, Materials, Metric, Mode, Place, ViewRequest};
+use orogeny_engine::{Cursor, Drawn, FrameReport, Materials, Metric, Mode, Place, ViewRequest};
 use serde::Serialize;
 
 use super::Arguments;
@@ -55,6 +55,9 @@ pub struct ViewArguments {
     /// Draw no shadows
     #[arg(long, conflicts_with = "map")]
     no_shadows: bool,
+    /// A brush's ring on the ground: its middle and its radius in metres, and the share of that within which it acts wholly; repeatable
+    #[arg(long, value_name = "X,Z,RADIUS,HARDNESS", value_parser = values::cursor, allow_hyphen_values = true, conflicts_with = "map")]
+    cursor: Vec<Cursor>,
     /// Draw a plane of water at a height in metres
     #[arg(long, value_name = "HEIGHT", allow_hyphen_values = true, conflicts_with = "map")]
     water: Option<f32>,
@@ -139,6 +142,7 @@ impl Arguments {
             slope_exaggeration: view.exaggerate,
             exposure_stops: view.exposure,
             has_shadows: !view.no_shadows,
+            cursors: view.cursor.clone(),
             water_level_m: view.water,
             range_m: self.range.map(|range_m| range_m.map(|height_m| height_m as f32)),
             contour_m: view.contour,
