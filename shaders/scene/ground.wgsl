@@ -36,7 +36,7 @@ struct FrameUniform {
     low_m: f32,                   // heights of the first and the last colour
     high_m: f32,
     contour_m: f32,               // from contour line to contour line
-    sample_px: f32,               // how many pixels a metre at one metre's distance is wide
+    metre_px: f32,                // how many pixels a metre at one metre's distance is wide
     overlay_low: f32,             // values of the first and the last colour of the overlay
     overlay_high: f32,
     num_cursors: u32,

@@ -45,7 +45,7 @@ fn main(pixel: ScreenVertex) -> @location(0) vec4<f32> {
     let through_m = min(to_ground - to_water, 1.0e5) * length(ray);
     let deep_m = max(frame.water_level_m - height_between(0u, place), 0.0);
     let distance_m = length(relative);
-    let pixel_m = distance_m * distance_m / (frame.sample_px * max(abs(below_m), 1.0e-3));
+    let pixel_m = distance_m * distance_m / (frame.metre_px * max(abs(below_m), 1.0e-3));
     let slopes = waves(relative.xz + frame.eye_offset_m, pixel_m);
     let normal = normalize(vec3<f32>(-slopes.x, 1.0, -slopes.y));
     let to_eye = -normalize(relative);

@@ -139,7 +139,7 @@ fn mirrors() -> Vec<Mirror> {
                 low_m,
                 high_m,
                 contour_m,
-                sample_px,
+                metre_px,
                 overlay_low,
                 overlay_high,
                 num_cursors,

@@ -77,7 +77,7 @@ fn far_from_the_origin_a_place_looks_as_near_it() {
     let far = picture("far.orogeny", 1 << 20, away + 1024);
     let (mean, _) = difference(&near.rgb, &far.rgb);
     // What noise of materials makes of a place is its own at every place; light and shape are not.
-    assert!(mean < 12.0, "{mean}");
+    assert!(mean < 8.0, "{mean}");
     let shaded = |name: &str, at: u32| {
         let terrain = Terrain::open_to_read(&folder.path().join(name), settings()).unwrap();
         let at = f64::from(at);
@@ -114,5 +114,7 @@ fn a_terrain_of_one_sample_and_one_of_a_row_can_be_drawn() {
         let request = ViewRequest { size_px: [40, 30], ..ViewRequest::default() };
         let drawn = draw(&terrain, &request);
         assert_eq!(drawn.picture.rgb.len(), 40 * 30 * 3, "{name}");
+        // Sky, if nothing else: not what a texture holds that was never drawn to.
+        assert!(drawn.picture.rgb.iter().any(|channel| *channel > 20), "{name}");
     }
 }

@@ -20,6 +20,14 @@ pub(crate) enum Source {
     Layer(u32),
 }
 
+/// What is said of a damaged page that a picture has to do without.
+pub(crate) fn damage_notice(key: &PageKey) -> String {
+    let PageKey { level, x, z, .. } = key;
+    format!(
+        "the page at column {x} row {z} of level {level} is damaged; a coarser level is shown, or the bare ground"
+    )
+}
+
 /// A rectangle of heights of one level on its way out, a band of rows in memory at a time.
 pub(crate) struct Composite<'a> {
     store: &'a Store,

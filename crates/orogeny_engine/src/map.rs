@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use orogeny_field::{PageKey, SampleRect};
 
-use crate::composite::Source;
+use crate::composite::{Source, damage_notice};
 use crate::ground::Ground;
 use crate::picture::{MAX_SIDE_PX, Picture, Ramp, colour_at};
 use crate::progress::report;
@@ -87,13 +87,7 @@ impl Terrain {
         let (width_px, height_px) =
             (rect.width().div_ceil(samples_per_px), rect.depth().div_ceil(samples_per_px));
         Picture { width_px, height_px, rgb: shaded(&ground, range_m) }.write(&request.file)?;
-        let notice = |key: &PageKey| {
-            let PageKey { level, x, z, .. } = key;
-            format!(
-                "the page at column {x} row {z} of level {level} is damaged; a coarser level is shown, or the bare ground"
-            )
-        };
-        let notices = damaged.iter().map(notice).collect();
+        let notices = damaged.iter().map(damage_notice).collect();
         let file = request.file.clone();
         Ok(MapSummary { file, width_px, height_px, samples_per_px, range_m, level, notices })
     }

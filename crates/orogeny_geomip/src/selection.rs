@@ -10,6 +10,29 @@ use crate::{Camera, DetailRule, DrawnTile, RIM_PARTS, Relief, Tile};
 /// is finer than its own. By 3/4 of a level on, a tile may be as coarse as it wants.
 const CHILD_GAIN: f64 = 4.0;
 
+/// An error at which nothing is fine any more, pixels.
+const MAX_ERROR_PX: f64 = 1.0e6;
+
+/// [`select`], with fewer than `max_tiles` tiles: with twice the accepted error, and twice that, until they are.
+#[must_use]
+pub fn select_at_most(
+    grid: &TerrainGrid,
+    camera: &Camera,
+    rule: &DetailRule,
+    relief: &impl Relief,
+    max_tiles: usize,
+) -> Vec<DrawnTile> {
+    let mut rule = *rule;
+    loop {
+        // Beyond this there is one tile for each square of the top level.
+        let max_tiles = if rule.max_error_px < MAX_ERROR_PX { max_tiles } else { usize::MAX };
+        if let Some(leaves) = leaves(grid, camera, &rule, relief, max_tiles) {
+            return with_rims(leaves);
+        }
+        rule.max_error_px = rule.max_error_px.max(1.0) * 2.0;
+    }
+}
+
 /// All tiles that the terrain is drawn of from a camera, those out of sight too; each once, finest first.
 ///
 /// The surface that they make follows the camera without a jump: where a tile is taken apart, its children are at first drawn exactly as it
@@ -21,6 +44,17 @@ pub fn select(
     rule: &DetailRule,
     relief: &impl Relief,
 ) -> Vec<DrawnTile> {
+    with_rims(leaves(grid, camera, rule, relief, usize::MAX).unwrap_or_default())
+}
+
+/// The tiles with their details; `None` where they are too many.
+fn leaves(
+    grid: &TerrainGrid,
+    camera: &Camera,
+    rule: &DetailRule,
+    relief: &impl Relief,
+    max_tiles: usize,
+) -> Option<Vec<(Tile, f32)>> {
     let mut leaves = Vec::new();
     let mut open = vec![(Tile::root(grid), f64::INFINITY)];
     while let Some((tile, coarsest)) = open.pop() {
@@ -32,8 +66,11 @@ pub fn select(
         } else {
             leaves.push((tile, wanted.min(coarsest) as f32));
         }
+        if leaves.len() + open.len() > max_tiles {
+            return None;
+        }
     }
-    with_rims(leaves)
+    Some(leaves)
 }
 
 /// Leaves of a quadtree with their details, whose levels differ by at most 1 where they touch, as they are drawn.

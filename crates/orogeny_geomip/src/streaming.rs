@@ -19,7 +19,7 @@ pub enum Holder {
 }
 
 /// The pages that a picture wants, most urgent first, no more than `max_pages` that have to be held: the root, then those whose parents would be off by the
-/// most pixels. Those of constant height come along without being counted.
+/// most pixels. Those of constant height come along without being counted. Also how many pages there was no room for.
 #[must_use]
 pub fn wanted_pages<S: PageSummaries>(
     grid: &TerrainGrid,
@@ -28,7 +28,7 @@ pub fn wanted_pages<S: PageSummaries>(
     rule: &DetailRule,
     relief: &PageRelief<'_, S>,
     max_pages: usize,
-) -> Vec<PagePlace> {
+) -> (Vec<PagePlace>, usize) {
     let frustum = Frustum::of(camera);
     let mut found: Vec<(f64, PagePlace)> = Vec::new();
     let mut open = vec![(f64::INFINITY, PagePlace::root(grid, layout))];
@@ -70,7 +70,8 @@ pub fn wanted_pages<S: PageSummaries>(
         num_held += usize::from(is_held);
         !is_held || num_held <= max_pages
     });
-    found.into_iter().map(|(_, place)| place).collect()
+    let num_left_out = num_held.saturating_sub(max_pages);
+    (found.into_iter().map(|(_, place)| place).collect(), num_left_out)
 }
 
 /// Which pages are in which slots.

@@ -373,7 +373,7 @@ proptest! {
         (pages, camera) in seen_terrain(), rule in rule(), max_pages in 1..300_usize,
     ) {
         let wanted_of = |max_pages| {
-            wanted_pages(&pages.grid, pages.layout, &camera, &rule, &pages.relief(), max_pages)
+            wanted_pages(&pages.grid, pages.layout, &camera, &rule, &pages.relief(), max_pages).0
         };
         let wanted = wanted_of(usize::MAX);
         check_order(&pages.grid, pages.layout, pages, &wanted)?;
@@ -404,7 +404,7 @@ proptest! {
         (pages, camera) in seen_terrain(), rule in rule(), pixels in prop::collection::vec((0.0..=1.0_f64, 0.0..=1.0_f64), 40),
     ) {
         let wanted: HashSet<_> =
-            wanted_pages(&pages.grid, pages.layout, &camera, &rule, &pages.relief(), usize::MAX).into_iter().collect();
+            wanted_pages(&pages.grid, pages.layout, &camera, &rule, &pages.relief(), usize::MAX).0.into_iter().collect();
         let [half_width, half_height] = camera.half_extent();
         let [right, up, backward] = camera.axes();
         for (x, y) in pixels {
@@ -451,7 +451,7 @@ fn a_cliff_between_two_pages_is_seen_finely_too() {
     let point = eye + ray.direction * pick(&ray, &pages.grid, &pages).unwrap();
     assert!((511.0..512.0).contains(&point.x), "{point}");
     let rule = DetailRule::default();
-    let wanted = wanted_pages(&pages.grid, pages.layout, &camera, &rule, &pages.relief(), usize::MAX);
+    let wanted = wanted_pages(&pages.grid, pages.layout, &camera, &rule, &pages.relief(), usize::MAX).0;
     check_seen(&pages, &camera, &wanted.into_iter().collect(), point).unwrap();
 }
 
@@ -470,10 +470,10 @@ proptest! {
         let eye = DVec3::new(x, 60.0 + height.exp(), z);
         let camera = Camera::looking_at(eye, eye + DVec3::new(turn.cos(), -0.3, turn.sin()), 1.0, [320, 240]);
         let relief = PageRelief::new(vast.grid, vast.layout, &vast);
-        let wanted = wanted_pages(&vast.grid, vast.layout, &camera, &rule, &relief, usize::MAX);
+        let wanted = wanted_pages(&vast.grid, vast.layout, &camera, &rule, &relief, usize::MAX).0;
         check_order(&vast.grid, vast.layout, &vast, &wanted)?;
         prop_assert!(wanted.len() < 4_000, "{}", wanted.len());
-        let kept = wanted_pages(&vast.grid, vast.layout, &camera, &rule, &relief, max_pages);
+        let kept = wanted_pages(&vast.grid, vast.layout, &camera, &rule, &relief, max_pages).0;
         prop_assert_eq!(kept, limited(&vast, &wanted, max_pages));
     }
 }

@@ -117,8 +117,13 @@ pub(crate) fn made_from_scratch(db: &Database, plane: &Plane, key: PageKey) -> R
     if !material.damaged_below.is_empty() {
         return Err(Error::damaged_page(key, "a page below it is damaged"));
     }
+    // An error that cannot be worked out is the one that the page has.
+    let as_it_is_m = material.error_to_keep_m;
     match material.make(plane)?.outcome {
-        Outcome::Page { content, .. } => Ok(Some(content)),
+        Outcome::Page { content, .. } => {
+            let error_m = as_it_is_m.unwrap_or(content.error_m);
+            Ok(Some(Content { error_m, ..content }))
+        }
         Outcome::Absent | Outcome::Damaged(_) => Ok(None),
     }
 }
@@ -252,8 +257,9 @@ impl Material {
         let error_m = if self.is_error_known {
             (info.error_m + added_error_m).max(info.error_m * MIN_ERROR_GROWTH)
         } else {
-            // It is not further off than its heights are high.
-            self.error_to_keep_m.unwrap_or(info.bounds.max_m - info.bounds.min_m)
+            // As far off as it was, if that is known; it is not further off than its heights are high.
+            let kept_m = self.error_to_keep_m.filter(|error_m| *error_m > 0.0);
+            kept_m.unwrap_or(info.bounds.max_m - info.bounds.min_m).max(info.error_m * MIN_ERROR_GROWTH)
         };
         let info = PageInfo { error_m, ..info };
         let row = content::encode_page(layout, self.key, info, &codec::ordered_from_page(&after))?;

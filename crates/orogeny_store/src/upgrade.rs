@@ -10,7 +10,7 @@ use rusqlite::params;
 
 use crate::checksum::{Checksum, RowHasher};
 use crate::database::Database;
-use crate::pyramid::{self, Changed, Plane};
+use crate::pyramid::{self, Changed};
 use crate::rows::{Document, PageInfo, PageRow};
 use crate::stack::Stack;
 use crate::{EntryId, Error, Field, FieldKind, Result, codec, content, format};
@@ -23,28 +23,19 @@ pub(crate) fn to_current(db: &Database, version: i32) -> Result<()> {
     if version < 2 { from_version_1(db) } else { from_version_2(db) }
 }
 
-/// Adds the errors of coarse pages, whose bytes stay as they are. A page that is damaged stays so; one over a damaged one, which cannot be made
-/// again, may be as far off as its heights are high.
+/// Makes all coarse pages anew, with their errors; there may be more of them. Those of full resolution stay as they are, with their checksums.
 fn from_version_2(db: &Database) -> Result<()> {
     db.in_transaction(|| {
         db.run("ALTER TABLE page ADD COLUMN error_m REAL NOT NULL DEFAULT 0")?;
         let (document, stack) = (db.document()?, Stack::load(db)?);
         let Document { grid, layout, .. } = document;
+        let mut pages = Changed::new();
         for field in stack.fields.keys() {
-            // The finer levels first: errors are added up.
-            for key in db.page_keys(*field)?.into_iter().filter(|key| key.level > 0) {
-                let Ok(Some(row)) = db.page(layout, &key) else { continue };
-                let plane = Plane { grid, layout, constant: stack.constant(&key) };
-                let error_m = match pyramid::made_from_scratch(db, &plane, key) {
-                    Ok(made) => made.map_or(0.0, |made| made.error_m),
-                    Err(Error::DamagedPage { .. }) => row.info.bounds.max_m - row.info.bounds.min_m,
-                    Err(err) => return Err(err),
-                };
-                let info = PageInfo { error_m, ..row.info };
-                db.change_page_info(&PageRow { info, ..row })?;
-                db.cache.borrow_mut().forget(&key);
-            }
+            let keys =
+                db.page_keys(*field)?.into_iter().filter(|key| key.level == 0 && layout.has_page(&grid, key));
+            pages.extend(keys.map(|key| (key, layout.page_rect(&key).intersection(&grid.bounds()))));
         }
+        pyramid::refresh(db, grid, layout, |key| stack.constant(key), pages)?;
         db.run(&format!("PRAGMA user_version = {}", format::FORMAT_VERSION))
     })
 }

@@ -27,8 +27,11 @@ const PAGE_BYTES_A_PIXEL: u64 = 64;
 /// What pages may take for a small picture.
 const MIN_PAGE_BYTES: u64 = 64 << 20;
 
-/// Pages that are read between two looks at the pages wanted.
-const PAGES_AT_ONCE: usize = 64;
+/// What pages may take whatever their size: so many of them.
+const MIN_PAGES: u64 = 64;
+
+/// Bytes of pages that are on their way to the GPU at once.
+const BYTES_AT_ONCE: u64 = 16 << 20;
 
 /// How far the whole terrain is looked at from above: the tangent.
 const OVERVIEW_TANGENT: f64 = 0.62;
@@ -36,8 +39,9 @@ const OVERVIEW_TANGENT: f64 = 0.62;
 /// Masks that a material set may ask for.
 const MAX_MASKS: usize = 4;
 
-/// Eyes beyond this lose their precision, metres.
+/// How far an eye and what it looks at may be from the origin, metres, or in sides of the terrain, whichever is further.
 const MAX_PLACE_M: f64 = 1.0e8;
+const MAX_PLACE_SIDES: f64 = 16.0;
 
 /// Draws pictures of one size of one terrain, which does not change meanwhile.
 pub struct View<'a> {
@@ -63,6 +67,8 @@ pub struct Drawn {
     pub target_m: [f64; 3],
     /// What it consisted of.
     pub report: FrameReport,
+    /// What could not be shown as it is, for people.
+    pub notices: Vec<String>,
 }
 
 impl Terrain {
@@ -77,7 +83,8 @@ impl Terrain {
         }
         let store = self.settled()?;
         let gpu = drawing_gpu(self.settings())?;
-        let pages = (u64::from(width) * u64::from(height) * PAGE_BYTES_A_PIXEL).max(MIN_PAGE_BYTES);
+        let least = MIN_PAGE_BYTES.max(MIN_PAGES * store.layout().size_in_bytes());
+        let pages = (u64::from(width) * u64::from(height) * PAGE_BYTES_A_PIXEL).max(least);
         let budget = pages.min(self.settings().page_budget_in_bytes);
         let renderer = Renderer::new(&gpu, self.grid(), store.layout(), self.unpainted_height_m()?, budget)?;
         let targets = Targets::new(&gpu, size_px)?;
@@ -96,7 +103,11 @@ impl Terrain {
 
 /// What draws: the adapter that was asked for; where that calculates on the CPU, the best there is.
 fn drawing_gpu(settings: &Settings) -> Result<Gpu> {
-    let best = || Gpu::open(&AdapterChoice::RealGpu).or_else(|_| Gpu::open(&AdapterChoice::Software));
+    // A GPU that is there and cannot be opened is an error, not a picture that takes a hundred times as long.
+    let best = || match Gpu::open(&AdapterChoice::RealGpu) {
+        Err(orogeny_gpu::Error::NoAdapter { .. }) => Gpu::open(&AdapterChoice::Software),
+        opened => opened,
+    };
     Ok(match &settings.adapter {
         Adapter::Auto | Adapter::Cpu => best().map_err(|source| match source {
             orogeny_gpu::Error::NoAdapter { found, .. } => Error::NothingDraws { found },
@@ -129,7 +140,8 @@ impl View<'_> {
         let relief = PageRelief::new(grid, layout, &self.source);
         let missing = self.renderer.want(&camera, &scene, &relief);
         let total = missing.len() as u64;
-        for (chunk, done) in missing.chunks(PAGES_AT_ONCE).zip((0_u64..).step_by(PAGES_AT_ONCE)) {
+        let pages_at_once = usize::try_from(BYTES_AT_ONCE / layout.size_in_bytes()).unwrap_or(1).max(1);
+        for (chunk, done) in missing.chunks(pages_at_once).zip((0_u64..).step_by(pages_at_once)) {
             crate::progress::report(observer, "reading", done, total)?;
             for place in chunk {
                 let masks = self.source.masks_over(*place);
@@ -143,6 +155,7 @@ impl View<'_> {
         let report = self.renderer.draw(&camera, &scene, &relief, &self.targets)?;
         let pixels = self.targets.read(&self.gpu)?;
         self.gpu.check()?;
+        self.source.check()?;
         let rgb = pixels
             .as_chunks::<4>()
             .0
@@ -151,7 +164,13 @@ impl View<'_> {
             .collect();
         let [width_px, height_px] = self.size_px;
         let picture = Picture { width_px, height_px, rgb };
-        Ok(Drawn { picture, eye_m: eye_m.to_array(), target_m: target_m.to_array(), report })
+        Ok(Drawn {
+            picture,
+            eye_m: eye_m.to_array(),
+            target_m: target_m.to_array(),
+            report,
+            notices: self.source.notices(),
+        })
     }
 
     /// What draws, for people.
@@ -225,14 +244,13 @@ impl View<'_> {
             HeightAt::AboveGround(above_m) => f64::from(self.ground_m([*x_m, *z_m])?) + above_m,
         };
         let place = DVec3::new(*x_m, height_m, *z_m);
-        if place.abs().max_element() <= MAX_PLACE_M {
-            Ok(place)
-        } else {
-            Err(view_error(
-                "a place to look from or at",
-                place.abs().max_element(),
-                [-MAX_PLACE_M, MAX_PLACE_M],
-            ))
+        let grid = self.terrain.grid();
+        let side_m = f64::from(grid.width().max(grid.depth())) * grid.spacing_m();
+        let limit_m = MAX_PLACE_M.max(MAX_PLACE_SIDES * side_m);
+        let outside = place.to_array().into_iter().find(|along| !(-limit_m..=limit_m).contains(along));
+        match outside {
+            None => Ok(place),
+            Some(along) => Err(view_error("a place to look from or at (m)", along, [-limit_m, limit_m])),
         }
     }
 
@@ -319,6 +337,16 @@ impl ViewRequest {
             ("the exposure (stops)", f64::from(self.exposure_stops), [-20.0, 20.0]),
             ("the error in pixels", self.max_error_px, [0.1, 100.0]),
             ("the step of contour lines (m)", f64::from(self.contour_m.unwrap_or(1.0)), [1.0e-4, 1.0e7]),
+            (
+                "the lowest height of the colours (m)",
+                f64::from(self.range_m.unwrap_or_default()[0]),
+                [-1.0e7, 1.0e7],
+            ),
+            (
+                "the highest height of the colours (m)",
+                f64::from(self.range_m.unwrap_or_default()[1]),
+                [-1.0e7, 1.0e7],
+            ),
             ("the number of brushes' rings", self.cursors.len() as f64, [0.0, MAX_CURSORS as f64]),
             ("the water's level (m)", f64::from(self.water_level_m.unwrap_or(0.0)), [-1.0e7, 1.0e7]),
         ];

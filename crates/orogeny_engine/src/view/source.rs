@@ -1,14 +1,14 @@
 //! The composite as the renderer asks for it: pages, and what is known of them without reading them.
 
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use orogeny_field::{FieldId, HeightBounds, Page, PageKey, PageLayout};
 use orogeny_geomip::{PagePlace, PageSummaries, PageSummary};
 use orogeny_store::{FieldKind, Layer, Store};
 
 use crate::Result;
-use crate::composite::{Composite, Source};
+use crate::composite::{Composite, Source, damage_notice};
 
 /// The name of the terrain's selection among masks.
 pub(super) const SELECTION: &str = "selection";
@@ -33,6 +33,10 @@ pub(super) struct CompositeSource<'a> {
     /// What is shown over the ground, or asked for by materials.
     masks: Vec<Mask>,
     known: RefCell<HashMap<PagePlace, PageSummary>>,
+    /// Damaged pages of which a coarser level is shown.
+    damaged: RefCell<BTreeSet<PageKey>>,
+    /// The first thing that could not be read of the directory.
+    failure: RefCell<Option<orogeny_store::Error>>,
 }
 
 fn key(layer: &Layer, PagePlace { level, z, x }: PagePlace) -> PageKey {
@@ -42,7 +46,14 @@ fn key(layer: &Layer, PagePlace { level, z, x }: PagePlace) -> PageKey {
 impl<'a> CompositeSource<'a> {
     pub(super) fn new(store: &'a Store) -> Self {
         let layers = store.layers().iter().filter(|layer| layer.visible).collect();
-        Self { store, layers, masks: Vec::new(), known: RefCell::default() }
+        Self {
+            store,
+            layers,
+            masks: Vec::new(),
+            known: RefCell::default(),
+            damaged: RefCell::default(),
+            failure: RefCell::default(),
+        }
     }
 
     /// The mask of a layer by its name, or the terrain's selection: `selection`.
@@ -88,7 +99,13 @@ impl<'a> CompositeSource<'a> {
         let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
         let mut samples = vec![self.unpainted_masks().map(byte); self.store.layout().num_samples()];
         for (channel, mask) in self.masks.iter().enumerate() {
-            let page = mask.key(place).and_then(|key| self.store.load_page(&key).ok().flatten());
+            let page = mask.key(place).and_then(|key| {
+                let loaded = self.store.load_page(&key);
+                loaded.unwrap_or_else(|_| {
+                    self.damaged.borrow_mut().insert(key);
+                    None
+                })
+            });
             for (sample, value) in samples.iter_mut().zip(page.iter().flat_map(|page| page.samples())) {
                 if let Some(sample) = sample.get_mut(channel) {
                     *sample = byte(*value);
@@ -117,15 +134,33 @@ impl<'a> CompositeSource<'a> {
                 rows.read_rows(row)?;
             }
         }
+        self.damaged.borrow_mut().extend(rows.damaged());
         Ok(page)
     }
 
-    /// From the directory. A page of which that cannot be read counts as constant: the picture then lacks it, and reading it tells why.
+    fn surface(&self, key: &PageKey) -> Option<(HeightBounds, f32)> {
+        self.store.page_surface(key).unwrap_or_else(|err| {
+            self.failure.borrow_mut().get_or_insert(err);
+            None
+        })
+    }
+
+    /// Whether all of the directory could be read so far.
+    pub(super) fn check(&self) -> Result<()> {
+        self.failure.borrow_mut().take().map_or(Ok(()), |err| Err(err.into()))
+    }
+
+    /// What of the pictures so far could not be shown as it is.
+    pub(super) fn notices(&self) -> Vec<String> {
+        self.damaged.borrow().iter().map(damage_notice).collect()
+    }
+
+    /// From the directory. What cannot be read of that counts as constant, and is told by [`Self::check`].
     fn read_summary(&self, place: PagePlace) -> PageSummary {
         let mut bounds = HeightBounds::of(0.0);
         let (mut error_m, mut is_constant) = (0.0, true);
         for (index, layer) in self.layers.iter().enumerate() {
-            let found = self.store.page_surface(&key(layer, place)).ok().flatten();
+            let found = self.surface(&key(layer, place));
             is_constant &= found.is_none();
             let (of_layer, of_layer_error_m) = found.unwrap_or((HeightBounds::of(layer.constant_m), 0.0));
             // As the composite is: the lowest as it is, the others each by their opacity.

@@ -27,7 +27,7 @@ use self::uniforms::{FrameParts, split};
 use crate::material::{ResolvedSet, SetRule, SurfaceTexture};
 use crate::{
     Bounds, Camera, Cascade, Holder, MAX_COARSENING, PagePlace, PageRelief, PageSummaries, PageTable,
-    SKY_SIZE, Sky, Slots, cascades, indices, select, wanted_pages,
+    SKY_SIZE, Sky, Slots, cascades, indices, select_at_most, wanted_pages,
 };
 
 pub use materials::MaterialUniform;
@@ -37,6 +37,9 @@ pub use uniforms::{FrameUniform, MAX_CURSORS, TileInstance};
 
 /// Four masks a sample.
 const OVERLAY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// Tiles of a picture, those out of sight too: with those of the shadow maps they fit into one binding.
+const MAX_TILES: usize = 1 << 16;
 
 /// Texels a side of a shadow map.
 const SHADOW_TEXELS: u32 = 2048;
@@ -52,7 +55,7 @@ pub struct FrameReport {
     pub num_draw_calls: u32,
     /// Pages that it was drawn from.
     pub num_pages: u32,
-    /// Pages that it would have wanted beside these.
+    /// Pages that it would have wanted beside these: on their way, or without room.
     pub num_missing: u32,
 }
 
@@ -64,12 +67,13 @@ pub struct Renderer {
     layout: PageLayout,
     unpainted_m: f32,
     heights: PageTexture,
-    /// Of one slot, until there is one for every slot of the heights.
+    /// Of no slot, until there is one for every slot of the heights.
     overlay: PageTexture,
     slots: Slots,
     /// What the next picture is drawn from, of what it wants.
     active: HashMap<PagePlace, Holder>,
     num_missing: u32,
+    num_left_out: u32,
     pipelines: Pipelines,
     shadow_maps: ShadowMaps,
     sky: Option<(Sky, wgpu::TextureView)>,
@@ -102,8 +106,14 @@ impl Renderer {
         page_budget_in_bytes: u64,
     ) -> Result<Self> {
         let num_slots = u32::try_from(page_budget_in_bytes / layout.size_in_bytes()).unwrap_or(u32::MAX);
-        let heights =
-            PageTexture::new(gpu, "orogeny.drawn.heights", wgpu::TextureFormat::R32Float, layout, num_slots)?;
+        let heights = PageTexture::new(
+            gpu,
+            "orogeny.drawn.heights",
+            wgpu::TextureFormat::R32Float,
+            layout,
+            num_slots,
+            num_pages(&grid, layout),
+        )?;
         let sampler = |compare| {
             gpu.device().create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("orogeny.smooth"),
@@ -122,9 +132,10 @@ impl Renderer {
             unpainted_m,
             slots: Slots::new(heights.num_slots()),
             heights,
-            overlay: PageTexture::new(gpu, "orogeny.no_overlay", OVERLAY_FORMAT, layout, 1)?,
+            overlay: PageTexture::none(gpu, "orogeny.no_overlay", OVERLAY_FORMAT, layout)?,
             active: HashMap::new(),
             num_missing: 0,
+            num_left_out: 0,
             pipelines: Pipelines::new(gpu)?,
             shadow_maps: ShadowMaps::new(gpu, SHADOW_TEXELS)?,
             sky: None,
@@ -144,12 +155,14 @@ impl Renderer {
         relief: &PageRelief<'_, S>,
     ) -> Vec<PagePlace> {
         let room = self.heights.num_slots() as usize;
-        let wanted = wanted_pages(&self.grid, self.layout, camera, &scene.detail, relief, room);
+        let (wanted, num_left_out) =
+            wanted_pages(&self.grid, self.layout, camera, &scene.detail, relief, room);
         let (constant, held): (Vec<_>, Vec<_>) =
             wanted.into_iter().partition(|place| relief.summary(*place).is_constant);
         let missing = self.slots.want(&held);
         let slots = held.iter().filter_map(|place| Some((*place, Holder::Slot(self.slots.slot(*place)?))));
         self.active = constant.into_iter().map(|place| (place, Holder::Constant)).chain(slots).collect();
+        self.num_left_out = num_left_out as u32;
         self.num_missing = missing.len() as u32;
         missing
     }
@@ -170,6 +183,7 @@ impl Renderer {
                     "orogeny.drawn.overlay",
                     OVERLAY_FORMAT,
                     self.layout,
+                    num_slots,
                     num_slots,
                 )?;
             }
@@ -209,8 +223,11 @@ impl Renderer {
         targets: &Targets,
     ) -> Result<FrameReport> {
         self.pipelines.prepare(&self.gpu, scene.mode)?;
-        let drawn = select(&self.grid, camera, &scene.detail, relief);
-        let tiles = tiles::placed(&drawn, &self.grid, relief);
+        let (eye_m, spacing_m) = (camera.eye_m(), self.grid.spacing_m());
+        let eye_sample = [split(eye_m.x, spacing_m).0, split(eye_m.z, spacing_m).0];
+        let table = PageTable::new(&self.grid, self.layout, eye_sample, &self.active);
+        let drawn = select_at_most(&self.grid, camera, &scene.detail, relief, MAX_TILES);
+        let tiles = tiles::placed(&drawn, &self.grid, self.layout, relief, &table);
         let in_sight = tiles::in_sight(&tiles, camera);
         let to_sun = scene.sky.to_sun;
         let maps: Vec<Cascade> = match bounds_of(&tiles) {
@@ -231,9 +248,6 @@ impl Renderer {
             })
             .collect();
 
-        let (eye_m, spacing_m) = (camera.eye_m(), self.grid.spacing_m());
-        let eye_sample = [split(eye_m.x, spacing_m).0, split(eye_m.z, spacing_m).0];
-        let table = PageTable::new(&self.grid, self.layout, eye_sample, &self.active);
         let uniform = FrameParts {
             grid: &self.grid,
             layout: self.layout,
@@ -294,7 +308,7 @@ impl Renderer {
             num_triangles: picture.iter().map(triangles).sum(),
             num_draw_calls: picture.len() as u32,
             num_pages: self.active.values().filter(|holder| **holder != Holder::Constant).count() as u32,
-            num_missing: self.num_missing,
+            num_missing: self.num_missing + self.num_left_out,
         })
     }
 
@@ -506,6 +520,15 @@ impl Mesh {
 const fn plain_set() -> ResolvedSet {
     let set = SetRule { blend_depth: 1.0, blend_contrast: 0.0, macro_per_m: 0.0, macro_amount: 0.0 };
     ResolvedSet { layers: Vec::new(), set, masks: Vec::new() }
+}
+
+/// Pages of all levels.
+fn num_pages(grid: &TerrainGrid, layout: PageLayout) -> u32 {
+    let of_level = |level: u8| {
+        let (columns, rows) = layout.num_pages_at(grid, level);
+        columns.saturating_mul(rows)
+    };
+    (0..=layout.top_level(grid)).map(of_level).fold(0, u32::saturating_add)
 }
 
 /// The box of all tiles.

@@ -15,29 +15,34 @@ pub(super) struct PageTexture {
 }
 
 impl PageTexture {
-    /// With room for `num_slots` pages, rounded down to whole layers, but at least one. `label` is for debuggers.
+    /// With room for `num_slots` pages, rounded down to whole layers, but at least one layer, and no more than hold `num_needed`. `label` is for
+    /// debuggers.
     pub(super) fn new(
         gpu: &Gpu,
         label: &str,
         format: wgpu::TextureFormat,
         layout: PageLayout,
         num_slots: u32,
+        num_needed: u32,
     ) -> Result<Self> {
         let slots_a_side = Self::slots_a_side(layout);
         let slots_a_layer = slots_a_side * slots_a_side;
-        let num_layers = (num_slots / slots_a_layer).clamp(1, gpu.device().limits().max_texture_array_layers);
+        let max_layers =
+            gpu.device().limits().max_texture_array_layers.min(num_needed.div_ceil(slots_a_layer));
+        let num_layers = (num_slots / slots_a_layer).clamp(1, max_layers.max(1));
         let side = slots_a_side * layout.size();
-        let texture = gpu.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: num_layers },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        })?;
+        let texture = texture(gpu, label, format, [side, side, num_layers])?;
         Ok(Self { texture, layout, num_slots: num_layers * slots_a_layer })
+    }
+
+    /// To be bound where there are no pages.
+    pub(super) fn none(
+        gpu: &Gpu,
+        label: &str,
+        format: wgpu::TextureFormat,
+        layout: PageLayout,
+    ) -> Result<Self> {
+        Ok(Self { texture: texture(gpu, label, format, [1, 1, 1])?, layout, num_slots: 0 })
     }
 
     /// Pages a side of a layer, a power of two.
@@ -77,4 +82,22 @@ impl PageTexture {
             wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
         );
     }
+}
+
+fn texture(
+    gpu: &Gpu,
+    label: &str,
+    format: wgpu::TextureFormat,
+    [width, height, depth_or_array_layers]: [u32; 3],
+) -> Result<wgpu::Texture> {
+    gpu.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
 }

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use orogeny_field::TerrainGrid;
+use orogeny_field::{PageLayout, TerrainGrid};
 
 use super::uniforms::TileInstance;
 use crate::{
-    Bounds, Camera, Cascade, DrawnTile, Frustum, MAX_COARSENING, PageRelief, PageSummaries, above_horizon,
+    Bounds, Camera, Cascade, DrawnTile, Frustum, MAX_COARSENING, PagePlace, PageRelief, PageSummaries,
+    PageTable, above_horizon,
 };
 
 /// A tile with the box that it is drawn in.
@@ -61,16 +62,35 @@ pub(super) fn finest_of_map(cascade: &Cascade, grid: &TerrainGrid, top_level: u8
     texel.clamp(0.0, f64::from(MAX_COARSENING.min(top_level))) as f32
 }
 
+/// The page of a tile's detail that its first sample lies in.
+fn page_of(drawn: &DrawnTile, layout: PageLayout) -> PagePlace {
+    // Details are levels.
+    let level = (drawn.detail as u8).max(drawn.tile.level);
+    let [x, z] = drawn.tile.origin().map(|sample| (sample >> level) / layout.size());
+    PagePlace { level, z, x }
+}
+
 /// All tiles with their boxes. A coarse surface stays between the heights of a tile's ring.
 pub(super) fn placed<S: PageSummaries>(
     drawn: &[DrawnTile],
     grid: &TerrainGrid,
+    layout: PageLayout,
     relief: &PageRelief<'_, S>,
+    table: &PageTable,
 ) -> Vec<Placed> {
     drawn
         .iter()
         .filter_map(|drawn| {
-            let heights = relief.narrow_ring_bounds(drawn.tile);
+            let mut heights = relief.narrow_ring_bounds(drawn.tile);
+            // What is read from a coarser page may be anything that this page says.
+            let read = page_of(drawn, layout);
+            if let Some((level, _)) = table.lookup(read)
+                && level > read.level
+            {
+                let coarser =
+                    PagePlace { level, z: read.z >> (level - read.level), x: read.x >> (level - read.level) };
+                heights = heights.with(relief.summary(coarser).bounds);
+            }
             let bounds = Bounds::of_samples(drawn.tile.samples(grid)?, heights, grid.spacing_m());
             Some(Placed { drawn: *drawn, bounds })
         })

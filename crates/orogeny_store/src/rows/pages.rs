@@ -203,18 +203,6 @@ impl Database {
         self.write_page_info(page, data)
     }
 
-    /// Changes what the directory says of a page that is there; its bytes stay as they are.
-    pub(crate) fn change_page_info(&self, page: &PageRow) -> Result<()> {
-        let key = &page.key;
-        let data = self
-            .statement("SELECT data FROM page WHERE field = ?1 AND level = ?2 AND z = ?3 AND x = ?4")
-            .and_then(|mut statement| {
-                statement.query_row(params![key.field.0, key.level, key.z, key.x], |row| row.get(0))
-            })
-            .map_err(|err| self.fault(err))?;
-        self.insert_page_info(page, data)
-    }
-
     /// Puts into the directory a page whose bytes lie there already, under the number `data`.
     pub(crate) fn insert_page_info(&self, page: &PageRow, data: i64) -> Result<()> {
         self.write_page_info(page, data).map_err(|err| self.fault(err))

@@ -8,7 +8,7 @@ use orogeny_engine::{Cursor, Drawn, FrameReport, Materials, Metric, Mode, Place,
 use serde::Serialize;
 
 use super::Arguments;
-use crate::output::text_of;
+use crate::output::{text_of, write_notices};
 use crate::progress::ProgressWatch;
 use crate::session::Session;
 use crate::values;
@@ -191,6 +191,7 @@ struct Report {
     adapter: String,
     #[serde(flatten)]
     seen: Seen,
+    notices: Vec<String>,
     elapsed_s: f64,
 }
 
@@ -212,6 +213,7 @@ pub(super) fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()
         height_px: drawn.picture.height_px,
         adapter,
         seen: Seen::from(&drawn),
+        notices: drawn.notices,
         elapsed_s: start.elapsed().as_secs_f64(),
     })
 }
@@ -219,6 +221,7 @@ pub(super) fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { file, width_px, height_px, adapter, seen, elapsed_s, .. } = self;
+        write_notices(f, &self.notices)?;
         writeln!(f, "drew {file}: {width_px} x {height_px} pixels, in {elapsed_s:.2} s on {adapter}")?;
         let [[eye_x, eye_y, eye_z], [x, y, z]] = [seen.eye_m, seen.target_m];
         writeln!(
