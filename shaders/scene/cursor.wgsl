@@ -1,4 +1,4 @@
-// Brushes' rings on the ground, and how strongly they act within; and the level whose samples are as wide as pixels.
+// Brushes' rings on the ground, and how strongly they act within.
 #include "scene/ground.wgsl"
 
 const RING: vec3<f32> = vec3<f32>(1.0, 0.75, 0.15);
@@ -20,13 +20,4 @@ fn with_cursors(colour: vec3<f32>, relative: vec3<f32>) -> vec3<f32> {
         }
     }
     return drawn;
-}
-
-// From how far a place moves from pixel to pixel, across the line of sight; along it up to four times as far. In uniform control flow only.
-fn sample_level(place: vec2<f32>) -> f32 {
-    let across = length(dpdx(place));
-    let along = length(dpdy(place));
-    let widest = max(across, along);
-    let level = log2(max(max(min(across, along), 0.25 * widest), 1.0e-6));
-    return clamp(level, 0.0, f32(frame.top_level));
 }

@@ -1,4 +1,4 @@
-// Sun, sky, shadow and haze. Radiances are those of a sun of irradiance 1 before the air. Twins: orogeny_geomip's `sky` and `shadow`.
+// Sun, sky, shadow and haze, and how finely the ground shows in them. Radiances are those of a sun of irradiance 1 before the air. Twins: orogeny_geomip's `sky` and `shadow`.
 #include "scene/ground.wgsl"
 
 @group(0) @binding(4) var sky: texture_2d<f32>;
@@ -84,4 +84,13 @@ fn hazed(colour: vec3<f32>, relative: vec3<f32>) -> vec3<f32> {
     let direction = relative / distance_m;
     let air = sky_radiance(normalize(vec3<f32>(direction.x, max(direction.y, 0.06), direction.z)));
     return colour * left + air * (vec3<f32>(1.0) - left);
+}
+
+// The level whose samples are as wide as pixels. From how far a place moves from pixel to pixel, across the line of sight; along it up to four times as far. In uniform control flow only.
+fn sample_level(place: vec2<f32>) -> f32 {
+    let across = length(dpdx(place));
+    let along = length(dpdy(place));
+    let widest = max(across, along);
+    let level = log2(max(max(min(across, along), 0.25 * widest), 1.0e-6));
+    return clamp(level, 0.0, f32(frame.top_level));
 }

@@ -125,7 +125,7 @@ fn the_surface_is_where_the_cpu_says_at_every_detail() {
             settled(&mut renderer, &ground, &camera, &scene, &targets);
             let found = depths_m(&gpu, &targets);
             let relief = PageRelief::new(ground.grid, ground.layout, &ground);
-            let drawn = select(&ground.grid, &camera, &scene.detail, &relief);
+            let drawn = select(&ground.grid, &camera, &scene.detail, &relief, usize::MAX);
             let triangles = triangles(&ground, &drawn);
             let (mut num_off, mut num) = (0, 0);
             for place in (0..SIZE[0] * SIZE[1]).step_by(67) {

@@ -57,20 +57,22 @@ fn far_from_the_origin_a_place_looks_as_near_it() {
         )
         .unwrap()
     };
+    let seen_from = |at: u32| {
+        let at = f64::from(at);
+        ViewRequest {
+            size_px: [160, 90],
+            eye: place(at + 120.25, HeightAt::Absolute(45.0), at + 520.5),
+            target: place(at + 330.0, HeightAt::Absolute(40.0), at + 300.0),
+            ..ViewRequest::default()
+        }
+    };
     let picture = |name: &str, side: u64, at: u32| {
         let grid = TerrainGrid::new(side, side, 1.0).unwrap();
         let mut terrain = Terrain::create(&folder.path().join(name), grid, 10.0, settings_cpu()).unwrap();
         terrain.apply(&[mound(at)], &mut Quiet).unwrap();
         terrain.close().unwrap();
         let terrain = Terrain::open_to_read(&folder.path().join(name), settings()).unwrap();
-        let at = f64::from(at);
-        let request = ViewRequest {
-            size_px: [160, 90],
-            eye: place(at + 120.25, HeightAt::Absolute(45.0), at + 520.5),
-            target: place(at + 330.0, HeightAt::Absolute(40.0), at + 300.0),
-            range_m: Some([10.0, 70.0]),
-            ..ViewRequest::default()
-        };
+        let request = ViewRequest { range_m: Some([10.0, 70.0]), ..seen_from(at) };
         draw(&terrain, &request).picture
     };
     let near = picture("near.orogeny", (1 << 19) + 4096, 1024);
@@ -80,15 +82,11 @@ fn far_from_the_origin_a_place_looks_as_near_it() {
     assert!(mean < 8.0, "{mean}");
     let shaded = |name: &str, at: u32| {
         let terrain = Terrain::open_to_read(&folder.path().join(name), settings()).unwrap();
-        let at = f64::from(at);
         let request = ViewRequest {
-            size_px: [160, 90],
-            eye: place(at + 120.25, HeightAt::Absolute(45.0), at + 520.5),
-            target: place(at + 330.0, HeightAt::Absolute(40.0), at + 300.0),
             mode: orogeny_engine::Mode::Shaded,
             // Texels of shadow maps are as large as the terrain's end is far.
             has_shadows: false,
-            ..ViewRequest::default()
+            ..seen_from(at)
         };
         draw(&terrain, &request).picture
     };

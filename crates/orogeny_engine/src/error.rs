@@ -25,7 +25,7 @@ pub enum Error {
     #[error(transparent)]
     Shader(#[from] orogeny_shaders::Error),
     /// A file that is longer than what it is for takes.
-    #[error("`{}` is longer than {limit} bytes, the most that is read for a brush", path.display())]
+    #[error("`{}` is longer than {limit} bytes, the most that is read of such a file", path.display())]
     TooLong {
         /// The file.
         path: PathBuf,

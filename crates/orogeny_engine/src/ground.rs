@@ -30,6 +30,19 @@ impl Ground {
         self.heights.get(z * self.width + x).copied().unwrap_or_default()
     }
 
+    /// The height between four samples, linear along both axes.
+    pub(crate) fn between(&self, [x, z]: [f32; 2]) -> f32 {
+        let (column, row) = (x.floor(), z.floor());
+        let (right, down) = (x - column, z - row);
+        let (column, row) = (column as isize, row as isize);
+        let along = |row| {
+            let left = self.at(column, row);
+            left + right * (self.at(column + 1, row) - left)
+        };
+        let upper = along(row);
+        upper + down * (along(row + 1) - upper)
+    }
+
     /// The upward normal by Horn's weighted differences (Horn 1981).
     pub(crate) fn normal(&self, x: isize, z: isize) -> [f32; 3] {
         let column = |x: isize| self.at(x, z - 1) + 2.0 * self.at(x, z) + self.at(x, z + 1);

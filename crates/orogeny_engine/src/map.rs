@@ -6,9 +6,9 @@ use orogeny_field::{PageKey, SampleRect};
 
 use crate::composite::{Source, damage_notice};
 use crate::ground::Ground;
-use crate::picture::{MAX_SIDE_PX, Picture, Ramp, colour_at};
+use crate::picture::{Picture, Ramp, check_size, colour_at};
 use crate::progress::report;
-use crate::{Error, Observer, Result, Terrain};
+use crate::{Observer, Result, Terrain};
 
 /// Light from the north-west, the convention of maps, and weaker light from both sides of it, so that no slope is black:
 /// azimuth in degrees from north, clockwise; share of the light.
@@ -73,12 +73,11 @@ impl Terrain {
     /// Draws the composite from above.
     ///
     /// # Errors
-    /// [`Error::PictureSize`], [`Error::OutsideTerrain`], [`Error::Store`], [`Error::Write`].
+    /// [`Error::PictureSize`](crate::Error::PictureSize), [`Error::OutsideTerrain`](crate::Error::OutsideTerrain),
+    /// [`Error::Store`](crate::Error::Store), [`Error::Write`](crate::Error::Write).
     pub fn draw_map(&self, request: &MapRequest, observer: &mut dyn Observer) -> Result<MapSummary> {
+        check_size(request.size_px)?;
         let [width, height] = request.size_px;
-        if !(1..=MAX_SIDE_PX).contains(&width) || !(1..=MAX_SIDE_PX).contains(&height) {
-            return Err(Error::PictureSize { width, height, limit: MAX_SIDE_PX });
-        }
         let rect = self.region(request.region_m)?;
         let _unchanging = self.settled()?.snapshot()?;
         let samples_per_px = rect.width().div_ceil(width).max(rect.depth().div_ceil(height));

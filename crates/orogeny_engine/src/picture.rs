@@ -8,6 +8,19 @@ use crate::{Error, Result, whole_file};
 /// The longest side of a picture, in pixels.
 pub(crate) const MAX_SIDE_PX: u32 = 8192;
 
+/// Whether a picture may have so many pixels along x and y.
+///
+/// # Errors
+/// [`Error::PictureSize`].
+pub(crate) fn check_size([width, height]: [u32; 2]) -> Result<()> {
+    let is_side = |side: u32| (1..=MAX_SIDE_PX).contains(&side);
+    if is_side(width) && is_side(height) {
+        Ok(())
+    } else {
+        Err(Error::PictureSize { width, height, limit: MAX_SIDE_PX })
+    }
+}
+
 /// Colours (sRGB, 0..255) at places from 0 to 1, in order.
 pub(crate) type Ramp<const N: usize> = [(f32, [f32; 3]); N];
 
@@ -44,11 +57,8 @@ impl Picture {
     /// # Errors
     /// [`Error::PictureSize`].
     pub(crate) fn new(width_px: u32, height_px: u32, colour: [u8; 3]) -> Result<Self> {
-        let [width, height] = [width_px, height_px];
-        if !(1..=MAX_SIDE_PX).contains(&width) || !(1..=MAX_SIDE_PX).contains(&height) {
-            return Err(Error::PictureSize { width, height, limit: MAX_SIDE_PX });
-        }
-        let rgb = colour.repeat(width as usize * height as usize);
+        check_size([width_px, height_px])?;
+        let rgb = colour.repeat(width_px as usize * height_px as usize);
         Ok(Self { width_px, height_px, rgb })
     }
 

@@ -57,7 +57,7 @@ pub use renderer::{
     Cursor, Fog, FrameReport, FrameUniform, Light, MAX_CURSORS, MaterialUniform, Mode, Renderer, Scene,
     Targets, TileInstance,
 };
-pub use selection::{select, select_at_most, with_rims};
+pub use selection::{select, with_rims};
 pub use shadow::{Cascade, MAX_CASCADES, cascades};
 pub use sky::{SKY_SIZE, Sky};
 pub use streaming::{Holder, Slots, wanted_pages};

@@ -13,9 +13,13 @@ const CHILD_GAIN: f64 = 4.0;
 /// An error at which nothing is fine any more, pixels.
 const MAX_ERROR_PX: f64 = 1.0e6;
 
-/// [`select`], with fewer than `max_tiles` tiles: with twice the accepted error, and twice that, until they are.
+/// All tiles that the terrain is drawn of from a camera, those out of sight too; each once, finest first. No more than `max_tiles`, or twice the error is accepted, and
+/// twice that, until they are.
+///
+/// The surface that they make follows the camera without a jump: where a tile is taken apart, its children are at first drawn exactly as it
+/// was. So there is nothing that could go back and forth, and no need for hysteresis.
 #[must_use]
-pub fn select_at_most(
+pub fn select(
     grid: &TerrainGrid,
     camera: &Camera,
     rule: &DetailRule,
@@ -31,20 +35,6 @@ pub fn select_at_most(
         }
         rule.max_error_px = rule.max_error_px.max(1.0) * 2.0;
     }
-}
-
-/// All tiles that the terrain is drawn of from a camera, those out of sight too; each once, finest first.
-///
-/// The surface that they make follows the camera without a jump: where a tile is taken apart, its children are at first drawn exactly as it
-/// was. So there is nothing that could go back and forth, and no need for hysteresis.
-#[must_use]
-pub fn select(
-    grid: &TerrainGrid,
-    camera: &Camera,
-    rule: &DetailRule,
-    relief: &impl Relief,
-) -> Vec<DrawnTile> {
-    with_rims(leaves(grid, camera, rule, relief, usize::MAX).unwrap_or_default())
 }
 
 /// The tiles with their details; `None` where they are too many.

@@ -121,7 +121,7 @@ proptest! {
 
     #[test]
     fn what_a_camera_asks_for_makes_one_surface(camera in camera(&HILLS), rule in rule()) {
-        let drawn = select(&HILLS.grid, &camera, &rule, &*HILLS);
+        let drawn = select(&HILLS.grid, &camera, &rule, &*HILLS, usize::MAX);
         let levels: HashMap<Tile, u8> = drawn.iter().map(|drawn| (drawn.tile, drawn.tile.level)).collect();
         for (tile, level) in &levels {
             for (other, other_level) in &levels {
@@ -144,7 +144,7 @@ proptest! {
         let heights = |way: f64| {
             let eye = from.eye_m().lerp(to.eye_m(), way);
             let camera = Camera::looking_at(eye, eye + DVec3::X, 1.0, [1280, 720]);
-            let drawn = select(&HILLS.grid, &camera, &rule, &*HILLS);
+            let drawn = select(&HILLS.grid, &camera, &rule, &*HILLS, usize::MAX);
             points.iter().map(|point| height_at(&drawn, *point)).collect::<Vec<_>>()
         };
         let jump = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -190,7 +190,7 @@ fn a_terrain_of_one_sample_and_one_of_a_row_are_drawn_too() {
     for (width, depth) in [(1, 1), (1, 300), (300, 1), (2, 2)] {
         let hills = Hills::new(width, depth, 1.0);
         let camera = Camera::looking_at(DVec3::new(0.0, 500.0, 0.0), DVec3::ZERO, 1.0, [100, 100]);
-        let drawn = select(&hills.grid, &camera, &DetailRule::default(), &hills);
+        let drawn = select(&hills.grid, &camera, &DetailRule::default(), &hills, usize::MAX);
         assert!(!drawn.is_empty(), "{width} x {depth}");
         let covered: f64 = drawn.iter().flat_map(|tile| triangles(tile, &hills)).map(area).sum();
         assert!(
@@ -210,7 +210,7 @@ fn flat_ground_has_few_triangles_by_roughness_and_many_from_above() {
     );
     let num = |metric| -> u32 {
         let rule = DetailRule { metric, max_error_px: 2.0 };
-        select(&HILLS.grid, &camera, &rule, &*HILLS)
+        select(&HILLS.grid, &camera, &rule, &*HILLS, usize::MAX)
             .iter()
             // Beyond the cliff and its ring it is a plain.
             .filter(|drawn| drawn.tile.origin()[0] > 500 && drawn.tile.origin()[1] < 100)

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::head::Head;
 use crate::history::Tree;
-use crate::pyramid::{self, Changed, Plane};
+use crate::pyramid::{self, Plane};
 use crate::rows::SavedLayer;
 use crate::{Error, Result, Store, content};
 
@@ -115,11 +115,8 @@ impl Store {
             last = Some(*last_key);
             // As if all that is there had just been painted.
             for level in 1..=layout.top_level(&grid) {
-                let below: Changed = keys
-                    .iter()
-                    .filter(|key| key.level == level - 1 && layout.has_page(&grid, key))
-                    .map(|key| (*key, layout.page_rect(key).intersection(&grid.bounds_at(key.level))))
-                    .collect();
+                let below = keys.iter().copied().filter(|key| key.level == level - 1);
+                let below = pyramid::all_of(&grid, layout, below);
                 let above = pyramid::pages_above(&grid, layout, level, &below);
                 report.problems.extend(above.keys().filter_map(|key| self.check_made_page(key).err()));
             }

@@ -44,6 +44,16 @@ pub(crate) struct Plane {
     pub(crate) constant: f32,
 }
 
+/// All of these pages, as if they had just been painted; one that no terrain has is left out.
+pub(crate) fn all_of(
+    grid: &TerrainGrid,
+    layout: PageLayout,
+    keys: impl IntoIterator<Item = PageKey>,
+) -> Changed {
+    let there = keys.into_iter().filter(|key| layout.has_page(grid, key));
+    there.map(|key| (key, layout.page_rect(&key).intersection(&grid.bounds_at(key.level)))).collect()
+}
+
 /// What becomes of a page above level 0.
 struct Made {
     key: PageKey,

@@ -97,8 +97,7 @@ impl Store {
         let mut below = Changed::new();
         for field in self.stack.fields.keys() {
             let keys = self.db.page_keys_as_far_as_possible(*field, &mut Vec::new());
-            let keys = keys.into_iter().filter(|key| layout.has_page(&grid, key));
-            below.extend(keys.map(|key| (key, layout.page_rect(&key).intersection(&grid.bounds()))));
+            below.extend(pyramid::all_of(&grid, layout, keys));
         }
         pyramid::refresh(&self.db, grid, layout, |key| self.stack.constant(key), below)
     }

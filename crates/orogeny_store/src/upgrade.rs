@@ -31,9 +31,8 @@ fn from_version_2(db: &Database) -> Result<()> {
         let Document { grid, layout, .. } = document;
         let mut pages = Changed::new();
         for field in stack.fields.keys() {
-            let keys =
-                db.page_keys(*field)?.into_iter().filter(|key| key.level == 0 && layout.has_page(&grid, key));
-            pages.extend(keys.map(|key| (key, layout.page_rect(&key).intersection(&grid.bounds()))));
+            let keys = db.page_keys(*field)?.into_iter().filter(|key| key.level == 0);
+            pages.extend(pyramid::all_of(&grid, layout, keys));
         }
         pyramid::refresh(db, grid, layout, |key| stack.constant(key), pages)?;
         db.run(&format!("PRAGMA user_version = {}", format::FORMAT_VERSION))
@@ -162,8 +161,7 @@ fn pages(db: &Database, document: &Document) -> Result<Changed> {
             _ => db.insert_damaged_page_info(&row, data)?,
         }
     }
-    let bounds = grid.bounds();
-    Ok(keys.into_iter().map(|key| (key, layout.page_rect(&key).intersection(&bounds))).collect())
+    Ok(pyramid::all_of(&grid, layout, keys))
 }
 
 /// A page of version 1, the number of its bytes, and its checksum; `None` where they are not what they must be.

@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use anyhow::ensure;
@@ -55,19 +55,23 @@ pub fn golden() -> anyhow::Result<ExitCode> {
     let mut command =
         cargo(["test", "--quiet", "--package", "orogeny_tests", "--test", "pictures", "golden"]);
     command.env("OROGENY_GOLDEN", "write");
+    give_runtime_folder(&mut command)?;
+    let drawn = status(&mut command)?;
+    Ok(if drawn.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Gives a command the folder that graphics drivers ask for, where the user has none.
+fn give_runtime_folder(command: &mut Command) -> anyhow::Result<()> {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
         command.env("XDG_RUNTIME_DIR", private_runtime_folder()?);
     }
-    let drawn = status(&mut command)?;
-    Ok(if drawn.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(())
 }
 
 fn run_release(package: &str, args: &[OsString]) -> anyhow::Result<ExitCode> {
     let mut command = cargo(["run", "--quiet", "--release", "--manifest-path"]);
     command.arg(workspace_root().join("Cargo.toml")).args(["--package", package, "--"]).args(args);
-    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
-        command.env("XDG_RUNTIME_DIR", private_runtime_folder()?);
-    }
+    give_runtime_folder(&mut command)?;
     if let Ok(folder) = std::env::current_dir() {
         command.current_dir(folder); // paths in the arguments are the user's
     }

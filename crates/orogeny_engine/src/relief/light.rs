@@ -131,7 +131,7 @@ impl Lights {
             if !is_within(ground, place) {
                 break;
             }
-            horizon = horizon.max((height_between(ground, place) - height) / run);
+            horizon = horizon.max((ground.between(place) - height) / run);
             distance += step;
             // Far away a shadow is soft, and needs no short steps.
             step = (distance * 0.04).max(1.0);
@@ -157,19 +157,6 @@ impl Lights {
 
 fn is_within(ground: &Ground, [x, z]: [f32; 2]) -> bool {
     x >= 0.0 && z >= 0.0 && x <= (ground.width - 1) as f32 && z <= (ground.depth() - 1) as f32
-}
-
-/// The height at a place between samples.
-pub(super) fn height_between(ground: &Ground, [x, z]: [f32; 2]) -> f32 {
-    let (column, row) = (x.floor(), z.floor());
-    let (right, down) = (x - column, z - row);
-    let (column, row) = (column as isize, row as isize);
-    let along = |row| {
-        let left = ground.at(column, row);
-        left + right * (ground.at(column + 1, row) - left)
-    };
-    let upper = along(row);
-    upper + down * (along(row + 1) - upper)
 }
 
 fn smooth_step(t: f32) -> f32 {

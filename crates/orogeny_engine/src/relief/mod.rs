@@ -6,7 +6,7 @@
 
 mod light;
 
-use self::light::{height_between, linear, lit_colours, srgb};
+use self::light::{linear, lit_colours, srgb};
 use crate::Result;
 use crate::ground::Ground;
 use crate::picture::Picture;
@@ -141,7 +141,7 @@ impl Canvas<'_> {
             if !(0.0..=last_x).contains(&place[0]) {
                 break;
             }
-            let height = height_between(self.ground, place);
+            let height = self.ground.between(place);
             let row = self.view.row(height, distance);
             let colour = self.colour_between(place);
             let (row_before, colour_before) = match before {

@@ -9,6 +9,7 @@ use orogeny_geomip::material::{
 };
 use rayon::prelude::*;
 
+use crate::resources::read;
 use crate::{Error, Result};
 
 /// The longest side of a texture's picture, pixels.
@@ -81,7 +82,7 @@ impl Materials {
         match self {
             Self::Factory(name) => Ok((factory_set(name)?, PathBuf::new())),
             Self::File(path) => {
-                let bytes = read(path)?;
+                let bytes = read(path, MAX_FILE_BYTES)?;
                 let text = String::from_utf8_lossy(&bytes);
                 let set = MaterialSet::from_json(&text)
                     .map_err(|source| Error::MaterialFile { path: path.clone(), source: Box::new(source) })?;
@@ -147,19 +148,10 @@ struct Rgba {
     texels: Vec<[u8; 4]>,
 }
 
-fn read(path: &Path) -> Result<Vec<u8>> {
-    let refused = |source| Error::Read { path: path.to_owned(), source };
-    let length = std::fs::metadata(path).map_err(refused)?.len();
-    if length > MAX_FILE_BYTES {
-        return Err(Error::TooLong { path: path.to_owned(), limit: MAX_FILE_BYTES });
-    }
-    std::fs::read(path).map_err(refused)
-}
-
 impl Rgba {
     fn read(path: &Path) -> Result<Self> {
         let wrong = |detail: String| Error::Texture { path: path.to_owned(), detail };
-        let bytes = read(path)?;
+        let bytes = read(path, MAX_FILE_BYTES)?;
         let mut decoder = png::Decoder::new(Cursor::new(bytes));
         decoder
             .set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);

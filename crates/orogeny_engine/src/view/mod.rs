@@ -19,7 +19,8 @@ pub use request::{HeightAt, Place, ViewRequest};
 
 use self::source::{CompositeSource, SELECTION};
 use crate::composite::Source;
-use crate::picture::{MAX_SIDE_PX, Picture};
+use crate::ground::Ground;
+use crate::picture::{Picture, check_size};
 use crate::{Adapter, Error, Observer, Result, Settings, Terrain};
 
 /// Bytes of pages for each pixel of a picture: pages of one sample a pixel, those above them, and as much again for what a pixel's width leaves unused.
@@ -54,6 +55,8 @@ pub struct View<'a> {
     /// The set whose textures are there.
     materials: Option<Materials>,
     masks_of_materials: Vec<String>,
+    /// The last sun and haze, and the sky under them.
+    sky: Option<([f64; 3], Sky)>,
 }
 
 /// What a picture was drawn from.
@@ -77,10 +80,8 @@ impl Terrain {
     /// # Errors
     /// [`Error::PictureSize`]; [`Error::Gpu`] when there is nothing that could draw; [`Error::Store`].
     pub fn view(&self, size_px: [u32; 2]) -> Result<View<'_>> {
+        check_size(size_px)?;
         let [width, height] = size_px;
-        if !(1..=MAX_SIDE_PX).contains(&width) || !(1..=MAX_SIDE_PX).contains(&height) {
-            return Err(Error::PictureSize { width, height, limit: MAX_SIDE_PX });
-        }
         let store = self.settled()?;
         let gpu = drawing_gpu(self.settings())?;
         let least = MIN_PAGE_BYTES.max(MIN_PAGES * store.layout().size_in_bytes());
@@ -97,6 +98,7 @@ impl Terrain {
             size_px,
             materials: None,
             masks_of_materials: Vec::new(),
+            sky: None,
         })
     }
 }
@@ -263,20 +265,29 @@ impl View<'_> {
         let rect = SampleRect::new(x0, z0, (x0 + 2).min(bounds.x1), (z0 + 2).min(bounds.z1));
         let mut heights = vec![0.0; (rect.width() * rect.depth()) as usize];
         self.terrain.composite(Source::Composite, 0, rect)?.read_rows(&mut heights)?;
-        let at = |dx: u32, dz: u32| {
-            let place = dz.min(rect.depth() - 1) * rect.width() + dx.min(rect.width() - 1);
-            heights.get(place as usize).copied().unwrap_or_default()
-        };
-        let (fx, fz) = ((x - f64::from(x0)) as f32, (z - f64::from(z0)) as f32);
-        let north = at(0, 0) + fx * (at(1, 0) - at(0, 0));
-        let south = at(0, 1) + fx * (at(1, 1) - at(0, 1));
-        Ok(north + fz * (south - north))
+        let spacing_m = self.terrain.grid().spacing_m() as f32;
+        let ground = Ground { width: rect.width() as usize, heights, spacing_m };
+        Ok(ground.between([(x - f64::from(x0)) as f32, (z - f64::from(z0)) as f32]))
     }
 
-    fn scene(&self, request: &ViewRequest) -> Scene {
+    /// The sky of a request, which takes long to work out and stays the same while the sun stands.
+    fn sky(&mut self, request: &ViewRequest) -> Sky {
+        let under = [request.sun_azimuth_degrees, request.sun_altitude_degrees, request.haze];
+        match &self.sky {
+            Some((known, sky)) if *known == under => sky.clone(),
+            _ => {
+                let [azimuth, altitude, haze] = under;
+                let sky = Sky::new(azimuth, altitude, haze);
+                self.sky = Some((under, sky.clone()));
+                sky
+            }
+        }
+    }
+
+    fn scene(&mut self, request: &ViewRequest) -> Scene {
         let range_m = request.range_m.unwrap_or_else(|| self.range_m());
         let span_m = (range_m[1] - range_m[0]).max(1.0e-3);
-        let sky = Sky::new(request.sun_azimuth_degrees, request.sun_altitude_degrees, request.haze);
+        let sky = self.sky(request);
         Scene {
             mode: request.mode,
             detail: DetailRule { metric: request.metric, max_error_px: request.max_error_px },
@@ -287,7 +298,7 @@ impl View<'_> {
                 ..Light::default()
             },
             sky,
-            // As the sky's haze is: 1/m, and 1,200 m to 1/e of it.
+            // As much as the sky's haze takes, and some for clear air; it thins out more slowly than that, between the two.
             fog: Fog {
                 density: (8.4e-6 * request.haze + 1.2e-5) as f32,
                 falloff: 1.0 / 2_500.0,

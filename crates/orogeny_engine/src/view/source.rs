@@ -169,10 +169,7 @@ impl<'a> CompositeSource<'a> {
             bounds.max_m += opacity * of_layer.max_m;
             error_m += opacity * of_layer_error_m;
         }
-        let is_masked = |mask: &Mask| {
-            mask.key(place)
-                .is_some_and(|key| self.store.page_surface(&key).is_ok_and(|found| found.is_some()))
-        };
+        let is_masked = |mask: &Mask| mask.key(place).is_some_and(|key| self.surface(&key).is_some());
         is_constant &= !self.masks.iter().any(is_masked);
         PageSummary { bounds, error_m, is_constant }
     }

@@ -27,7 +27,7 @@ use self::uniforms::{FrameParts, split};
 use crate::material::{ResolvedSet, SetRule, SurfaceTexture};
 use crate::{
     Bounds, Camera, Cascade, Holder, MAX_COARSENING, PagePlace, PageRelief, PageSummaries, PageTable,
-    SKY_SIZE, Sky, Slots, cascades, indices, select_at_most, wanted_pages,
+    SKY_SIZE, Sky, Slots, cascades, indices, select, wanted_pages,
 };
 
 pub use materials::MaterialUniform;
@@ -72,8 +72,8 @@ pub struct Renderer {
     slots: Slots,
     /// What the next picture is drawn from, of what it wants.
     active: HashMap<PagePlace, Holder>,
+    /// What it would have wanted beside these.
     num_missing: u32,
-    num_left_out: u32,
     pipelines: Pipelines,
     shadow_maps: ShadowMaps,
     sky: Option<(Sky, wgpu::TextureView)>,
@@ -135,7 +135,6 @@ impl Renderer {
             overlay: PageTexture::none(gpu, "orogeny.no_overlay", OVERLAY_FORMAT, layout)?,
             active: HashMap::new(),
             num_missing: 0,
-            num_left_out: 0,
             pipelines: Pipelines::new(gpu)?,
             shadow_maps: ShadowMaps::new(gpu, SHADOW_TEXELS)?,
             sky: None,
@@ -162,8 +161,7 @@ impl Renderer {
         let missing = self.slots.want(&held);
         let slots = held.iter().filter_map(|place| Some((*place, Holder::Slot(self.slots.slot(*place)?))));
         self.active = constant.into_iter().map(|place| (place, Holder::Constant)).chain(slots).collect();
-        self.num_left_out = num_left_out as u32;
-        self.num_missing = missing.len() as u32;
+        self.num_missing = (missing.len() + num_left_out) as u32;
         missing
     }
 
@@ -226,7 +224,7 @@ impl Renderer {
         let (eye_m, spacing_m) = (camera.eye_m(), self.grid.spacing_m());
         let eye_sample = [split(eye_m.x, spacing_m).0, split(eye_m.z, spacing_m).0];
         let table = PageTable::new(&self.grid, self.layout, eye_sample, &self.active);
-        let drawn = select_at_most(&self.grid, camera, &scene.detail, relief, MAX_TILES);
+        let drawn = select(&self.grid, camera, &scene.detail, relief, MAX_TILES);
         let tiles = tiles::placed(&drawn, &self.grid, self.layout, relief, &table);
         let in_sight = tiles::in_sight(&tiles, camera);
         let to_sun = scene.sky.to_sun;
@@ -308,7 +306,7 @@ impl Renderer {
             num_triangles: picture.iter().map(triangles).sum(),
             num_draw_calls: picture.len() as u32,
             num_pages: self.active.values().filter(|holder| **holder != Holder::Constant).count() as u32,
-            num_missing: self.num_missing + self.num_left_out,
+            num_missing: self.num_missing,
         })
     }
 
@@ -425,12 +423,11 @@ impl Renderer {
         frame: &Frame,
         own: &[wgpu::BindingResource<'_>],
     ) {
-        let (heights, overlay) = (self.heights.view(), self.overlay.view());
         let all = [
             frame.uniform.as_entire_binding(),
             frame.table.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&heights),
-            wgpu::BindingResource::TextureView(&overlay),
+            wgpu::BindingResource::TextureView(self.heights.view()),
+            wgpu::BindingResource::TextureView(self.overlay.view()),
             wgpu::BindingResource::TextureView(&frame.sky),
             wgpu::BindingResource::Sampler(&self.smooth_sampler),
             wgpu::BindingResource::TextureView(&self.shadow_maps.all),

@@ -10,6 +10,7 @@ const LAYER_SIDE: u32 = 2048;
 #[derive(Debug)]
 pub(super) struct PageTexture {
     texture: wgpu::Texture,
+    view: wgpu::TextureView,
     layout: PageLayout,
     num_slots: u32,
 }
@@ -31,8 +32,7 @@ impl PageTexture {
             gpu.device().limits().max_texture_array_layers.min(num_needed.div_ceil(slots_a_layer));
         let num_layers = (num_slots / slots_a_layer).clamp(1, max_layers.max(1));
         let side = slots_a_side * layout.size();
-        let texture = texture(gpu, label, format, [side, side, num_layers])?;
-        Ok(Self { texture, layout, num_slots: num_layers * slots_a_layer })
+        Self::of_size(gpu, label, format, layout, [side, side, num_layers], num_layers * slots_a_layer)
     }
 
     /// To be bound where there are no pages.
@@ -42,7 +42,32 @@ impl PageTexture {
         format: wgpu::TextureFormat,
         layout: PageLayout,
     ) -> Result<Self> {
-        Ok(Self { texture: texture(gpu, label, format, [1, 1, 1])?, layout, num_slots: 0 })
+        Self::of_size(gpu, label, format, layout, [1, 1, 1], 0)
+    }
+
+    fn of_size(
+        gpu: &Gpu,
+        label: &str,
+        format: wgpu::TextureFormat,
+        layout: PageLayout,
+        [width, height, depth_or_array_layers]: [u32; 3],
+        num_slots: u32,
+    ) -> Result<Self> {
+        let texture = gpu.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })?;
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..wgpu::TextureViewDescriptor::default()
+        });
+        Ok(Self { texture, view, layout, num_slots })
     }
 
     /// Pages a side of a layer, a power of two.
@@ -54,11 +79,8 @@ impl PageTexture {
         self.num_slots
     }
 
-    pub(super) fn view(&self) -> wgpu::TextureView {
-        self.texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..wgpu::TextureViewDescriptor::default()
-        })
+    pub(super) const fn view(&self) -> &wgpu::TextureView {
+        &self.view
     }
 
     /// Copies a page into a slot, before whatever is submitted next.
@@ -82,22 +104,4 @@ impl PageTexture {
             wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
         );
     }
-}
-
-fn texture(
-    gpu: &Gpu,
-    label: &str,
-    format: wgpu::TextureFormat,
-    [width, height, depth_or_array_layers]: [u32; 3],
-) -> Result<wgpu::Texture> {
-    gpu.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    })
 }
