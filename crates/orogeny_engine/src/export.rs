@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use orogeny_field::SampleRect;
+use orogeny_field::{LayerContent, SampleRect};
 use orogeny_formats::ExportOptions;
 
 use crate::composite::Source;
+use crate::layers::refused;
 use crate::progress::report;
 use crate::{Error, LayerReference, Observer, Result, Terrain};
 
@@ -16,12 +17,26 @@ pub struct ExportRequest {
     pub file: PathBuf,
     /// How to write it. The spacing is the terrain's where none is given.
     pub options: ExportOptions,
-    /// One layer alone; `None`: the composite.
-    pub layer: Option<LayerReference>,
+    /// What of the terrain.
+    pub source: ExportSource,
     /// `[x, z, width, depth]` in metres, far edges outside; `None`: the whole terrain.
     pub region_m: Option<[f64; 4]>,
     /// 0 for full resolution; each next level has a sample for two each way.
     pub level: u8,
+}
+
+/// What of a terrain is exported.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum ExportSource {
+    /// What all layers come to.
+    #[default]
+    Composite,
+    /// One layer alone: what it is made of, whether it counts or not.
+    Layer(LayerReference),
+    /// How much a layer counts where, 0..1, by its mask and those of its groups.
+    Mask(LayerReference),
+    /// How much is selected, 0..1.
+    Selection,
 }
 
 /// What an export wrote.
@@ -41,7 +56,13 @@ impl ExportRequest {
     /// The whole composite to a file.
     #[must_use]
     pub fn new(file: impl Into<PathBuf>) -> Self {
-        Self { file: file.into(), options: ExportOptions::default(), layer: None, region_m: None, level: 0 }
+        Self {
+            file: file.into(),
+            options: ExportOptions::default(),
+            source: ExportSource::Composite,
+            region_m: None,
+            level: 0,
+        }
     }
 }
 
@@ -54,9 +75,18 @@ impl Terrain {
     pub fn export(&self, request: &ExportRequest, observer: &mut dyn Observer) -> Result<ExportSummary> {
         let level = request.level;
         let rect = self.region_at(request.region_m, level)?;
-        let source = match &request.layer {
-            Some(reference) => Source::Layer(self.layer(Some(reference))?.id),
-            None => Source::Composite,
+        let source = match &request.source {
+            ExportSource::Composite => Source::Composite,
+            ExportSource::Layer(layer) => {
+                let layer = self.layer(Some(layer))?;
+                if layer.content == LayerContent::Group {
+                    let why = "it is a group, which has no heights: export one of its layers".to_owned();
+                    return Err(refused(layer, "exported", why));
+                }
+                Source::Layer(layer.id)
+            }
+            ExportSource::Mask(layer) => Source::Mask(self.layer(Some(layer))?.id),
+            ExportSource::Selection => Source::Selection,
         };
         let mut options = request.options.clone();
         options.spacing_m.get_or_insert(self.grid().spacing_m() * f64::from(1_u32 << level));
