@@ -75,19 +75,7 @@ impl Terrain {
     pub fn export(&self, request: &ExportRequest, observer: &mut dyn Observer) -> Result<ExportSummary> {
         let level = request.level;
         let rect = self.region_at(request.region_m, level)?;
-        let source = match &request.source {
-            ExportSource::Composite => Source::Composite,
-            ExportSource::Layer(layer) => {
-                let layer = self.layer(Some(layer))?;
-                if layer.content == LayerContent::Group {
-                    let why = "it is a group, which has no heights: export one of its layers".to_owned();
-                    return Err(refused(layer, "exported", why));
-                }
-                Source::Layer(layer.id)
-            }
-            ExportSource::Mask(layer) => Source::Mask(self.layer(Some(layer))?.id),
-            ExportSource::Selection => Source::Selection,
-        };
+        let source = self.source(&request.source)?;
         let mut options = request.options.clone();
         options.spacing_m.get_or_insert(self.grid().spacing_m() * f64::from(1_u32 << level));
         let (width, depth) = (rect.width(), rect.depth());
@@ -103,6 +91,39 @@ impl Terrain {
         }
         let notices = file.finish()?.notices;
         Ok(ExportSummary { file: request.file.clone(), width, depth, notices })
+    }
+
+    /// The heights of a region at a level, row by row, or a layer's, or how much counts where, as [`Self::export`] writes them; with
+    /// the samples along x and z.
+    ///
+    /// # Errors
+    /// [`Error::OutsideTerrain`], [`Error::UnknownLevel`], [`Error::UnknownLayer`], [`Error::Store`].
+    pub fn heights(
+        &self,
+        source: &ExportSource,
+        region_m: Option<[f64; 4]>,
+        level: u8,
+    ) -> Result<(u32, u32, Vec<f32>)> {
+        let rect = self.region_at(region_m, level)?;
+        let mut heights = vec![0.0; usize::try_from(rect.area()).unwrap_or_default()];
+        self.composite(self.source(source)?, level, rect)?.read_rows(&mut heights)?;
+        Ok((rect.width(), rect.depth(), heights))
+    }
+
+    fn source(&self, source: &ExportSource) -> Result<Source> {
+        Ok(match source {
+            ExportSource::Composite => Source::Composite,
+            ExportSource::Layer(layer) => {
+                let layer = self.layer(Some(layer))?;
+                if layer.content == LayerContent::Group {
+                    let why = "it is a group, which has no heights: read one of its layers".to_owned();
+                    return Err(refused(layer, "read", why));
+                }
+                Source::Layer(layer.id)
+            }
+            ExportSource::Mask(layer) => Source::Mask(self.layer(Some(layer))?.id),
+            ExportSource::Selection => Source::Selection,
+        })
     }
 
     /// The samples of a level in a region.
