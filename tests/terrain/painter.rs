@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use orogeny_engine::{EntryId, Quiet, Result, Terrain};
+use orogeny_engine::{EntryId, Operation, Quiet, Result, Terrain};
 use orogeny_tests::Random;
 use orogeny_tests::child::acknowledge;
 
@@ -122,7 +122,8 @@ pub fn assert_history_is_of_strokes(terrain: &Terrain) -> Vec<u32> {
     let log = terrain.log().unwrap();
     for (entry, number) in log.iter().zip(1..) {
         assert_eq!(entry.id.0, number);
-        assert_eq!(entry.operation_json, stroke(number).to_recorded_json(layer).unwrap());
+        let Operation::Brush(stroke) = stroke(number) else { panic!("a stroke is a brush") };
+        assert_eq!(entry.operation_json, stroke.to_recorded_json(layer).unwrap());
     }
     log.iter().map(|entry| entry.id.0).collect()
 }

@@ -63,11 +63,7 @@ impl GatePlan {
     ///
     /// # Errors
     /// [`Error::Pages`] when what it looks at cannot be read.
-    pub(crate) fn pages(
-        &self,
-        rect: &SampleRect,
-        store: &mut dyn PageStore,
-    ) -> Result<Vec<(SampleRect, Page)>> {
+    pub fn pages(&self, rect: &SampleRect, store: &mut dyn PageStore) -> Result<Vec<(SampleRect, Page)>> {
         let layout = store.layout();
         let mut pages = Vec::new();
         for (x, z) in layout.pages_in(*rect) {

@@ -36,15 +36,18 @@ pub(crate) struct Shares {
     pub(crate) pending_in_bytes: u64,
     /// Pages that the store remembers.
     pub(crate) cache_in_bytes: u64,
+    /// Pages of the composite that took long to work out, and as much again while they are worked out.
+    pub(crate) composite_in_bytes: u64,
 }
 
 impl Shares {
-    /// Of a whole budget: three quarters of it at least are for painting.
+    /// Of a whole budget: five eighths of it at least are for painting.
     pub(crate) fn of(budget_in_bytes: u64) -> Self {
         let pending_in_bytes = MAX_PENDING_BYTES.min(budget_in_bytes / 8);
         let cache_in_bytes = MAX_CACHE_BYTES.min(budget_in_bytes / 8);
-        let executor_in_bytes = budget_in_bytes - pending_in_bytes - cache_in_bytes;
-        Self { executor_in_bytes, pending_in_bytes, cache_in_bytes }
+        let composite_in_bytes = budget_in_bytes / 16;
+        let executor_in_bytes = budget_in_bytes - pending_in_bytes - cache_in_bytes - 2 * composite_in_bytes;
+        Self { executor_in_bytes, pending_in_bytes, cache_in_bytes, composite_in_bytes }
     }
 }
 
@@ -143,9 +146,11 @@ mod tests {
     fn the_shares_come_to_the_budget_and_most_of_it_is_for_painting() {
         for mebibytes in [1, 8, 64, 128, 512, 1024, 65_536] {
             let budget = mebibytes << 20;
-            let Shares { executor_in_bytes, pending_in_bytes, cache_in_bytes } = Shares::of(budget);
-            assert!(executor_in_bytes >= budget / 4 * 3, "{mebibytes} MiB");
-            assert_eq!(executor_in_bytes + pending_in_bytes + cache_in_bytes, budget, "{mebibytes} MiB");
+            let Shares { executor_in_bytes, pending_in_bytes, cache_in_bytes, composite_in_bytes } =
+                Shares::of(budget);
+            assert!(executor_in_bytes >= budget / 8 * 5, "{mebibytes} MiB");
+            let sum = executor_in_bytes + pending_in_bytes + cache_in_bytes + 2 * composite_in_bytes;
+            assert_eq!(sum, budget, "{mebibytes} MiB");
         }
         assert_eq!(Shares::of(1 << 30).cache_in_bytes, MAX_CACHE_BYTES);
     }

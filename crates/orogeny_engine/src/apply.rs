@@ -3,15 +3,18 @@
 use std::time::Instant;
 
 use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, StrokePlanner, plan_fill, resolved};
-use orogeny_field::{Brush, BrushType, PageLayout, Stroke, TerrainGrid};
+use orogeny_field::{Brush, BrushType, LayerContent, PageLayout, Stroke, TerrainGrid};
 use orogeny_pages::PageStore as _;
 use orogeny_store::{EntryId, Layer, Recording};
 
 use crate::clone_source;
+use crate::composite::Compositor;
+use crate::layers::{Changed, Stack, refuse_locked, refused};
+use crate::operation::{BrushOperation, LayerOperation};
 use crate::pages::RecordedPages;
 use crate::progress::report;
 use crate::resources;
-use crate::terrain::find_layer;
+use crate::terrain::{Parts, find_layer};
 use crate::{Error, Observer, Operation, Result, Target, Terrain};
 
 /// Instances of a stroke that are planned and run at once.
@@ -26,8 +29,12 @@ pub struct Applied {
     pub entry: EntryId,
     /// Its `op`.
     pub operation: &'static str,
-    /// What it was done with.
-    pub brush: BrushType,
+    /// What it was done with; of a layer, what it is made of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub brush: Option<BrushType>,
+    /// The layer that it made, by its id.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub made_layer: Option<u32>,
     /// Pages that it wrote.
     pub num_pages: usize,
     /// How long it took, in seconds, without making it durable, which goes on behind.
@@ -36,11 +43,14 @@ pub struct Applied {
     pub notices: Notices,
 }
 
-/// What running operations needs to know.
+/// What running operations needs.
 struct Site<'a> {
     grid: TerrainGrid,
     layout: PageLayout,
     author: &'a str,
+    executor: &'a mut dyn Executor,
+    compositor: &'a mut Compositor,
+    observer: &'a mut dyn Observer,
 }
 
 impl Terrain {
@@ -112,11 +122,11 @@ impl Terrain {
             return Ok(Vec::new());
         }
         let author = self.settings().author.clone();
-        let (recorder, executor) = self.recorder_and_executor()?;
-        let site =
-            Site { grid: recorder.on_disk()?.grid(), layout: recorder.on_disk()?.layout(), author: &author };
+        let Parts { recorder, executor, compositor } = self.parts()?;
+        let (grid, layout) = (recorder.on_disk()?.grid(), recorder.on_disk()?.layout());
         let result = recorder.begin().map_err(Error::from).and_then(|mut recording| {
-            let applied = apply_all(operations, &site, &mut recording, executor, observer)?;
+            let mut site = Site { grid, layout, author: &author, executor, compositor, observer };
+            let applied = apply_all(operations, &mut site, &mut recording)?;
             match after {
                 After::Commit => recording.finish()?,
                 // Whether what was handed over could be written is known when all of it was.
@@ -125,7 +135,7 @@ impl Terrain {
             Ok(applied)
         });
         if result.is_err() || after == After::TakeBack {
-            executor.cancel();
+            self.forget_all_pages();
         }
         if result.as_ref().is_err_and(|err| err.gpu().is_some()) {
             // A lost or hung device does not come back; the next operation makes a new one.
@@ -145,16 +155,18 @@ enum After {
 /// Runs operations one after another.
 fn apply_all(
     operations: &[Operation],
-    site: &Site<'_>,
+    site: &mut Site<'_>,
     recording: &mut Recording<'_>,
-    executor: &mut dyn Executor,
-    observer: &mut dyn Observer,
 ) -> Result<Vec<Applied>> {
     let mut applied = Vec::with_capacity(operations.len());
     for (index, operation) in operations.iter().enumerate() {
-        let (number, count, brush_type) = (index + 1, operations.len(), operation.brush().brush_type);
-        tracing::info!("operation {number} of {count}: {} {}", operation.name(), brush_type.name());
-        let one = apply_one(operation, site, recording, executor, observer);
+        let (number, count) = (index + 1, operations.len());
+        let brush = operation.brush().map_or("", |brush| brush.brush_type.name());
+        tracing::info!("operation {number} of {count}: {} {brush}", operation.name());
+        let one = match operation {
+            Operation::Brush(operation) => apply_brush(operation, site, recording),
+            Operation::Layers(operation) => apply_layers(operation, site, recording),
+        };
         applied.push(one.map_err(|err| match err {
             Error::Cancelled => Error::Cancelled,
             source => Error::InRecipe { number, count, name: operation.name(), source: Box::new(source) },
@@ -163,46 +175,97 @@ fn apply_all(
     Ok(applied)
 }
 
-fn apply_one(
-    operation: &Operation,
-    site: &Site<'_>,
+fn apply_brush(
+    operation: &BrushOperation,
+    site: &mut Site<'_>,
     recording: &mut Recording<'_>,
-    executor: &mut dyn Executor,
-    observer: &mut dyn Observer,
 ) -> Result<Applied> {
     let start = Instant::now();
     let layer = find_layer(recording.layers(), operation.layer())?.clone();
+    check_paintable(operation, recording.layers(), &layer)?;
     let (mut brush, mut resources) = resources::load(operation.brush(), recording)?;
     resources.clone_ground = clone_source::load(operation, &mut brush, &layer, &site.grid, recording)?;
     let operation = &operation.clone().with_brush(resolved(&brush));
     let canvas = canvas(operation, &layer, site, recording)?;
     let mut pages = RecordedPages::new(recording, site.layout);
+    let Site { executor, observer, .. } = site;
     let result = match operation {
-        Operation::Stroke { stroke, .. } => {
-            run_stroke(stroke, canvas, resources, executor, &mut pages, observer)
+        BrushOperation::Stroke { stroke, .. } => {
+            run_stroke(stroke, canvas, resources, *executor, &mut pages, *observer)
         }
-        Operation::Fill { brush, seed, region_m, .. } => {
+        BrushOperation::Fill { brush, seed, region_m, .. } => {
             let region = match region_m {
                 Some(region_m) => site.grid.samples_in_region(*region_m)?,
                 None => site.grid.bounds(),
             };
             let batch = plan_fill(brush, *seed, canvas, resources, region, &mut pages)?;
             let total = batch.pages.len() as u64;
-            run_batch(batch, executor, &mut pages, |done| report(observer, "filling", done, total))
+            run_batch(batch, *executor, &mut pages, |done| report(*observer, "filling", done, total))
         }
     };
     let result = result.and_then(|()| Ok(executor.finish(&mut pages)?));
-    let num_pages = pages.num_saved();
-    let notices = result?;
+    let saved = pages.into_saved();
+    let (num_pages, notices) = (saved.len(), result?);
+    site.compositor.forget(&site.grid, site.layout, &saved);
     let entry = recording.record(operation.to_recorded_json(layer.id)?, site.author)?;
     Ok(Applied {
         entry,
         operation: operation.name(),
-        brush: operation.brush().brush_type,
+        brush: Some(operation.brush().brush_type),
+        made_layer: None,
         num_pages,
         elapsed_s: start.elapsed().as_secs_f64(),
         notices,
     })
+}
+
+fn apply_layers(
+    operation: &LayerOperation,
+    site: &mut Site<'_>,
+    recording: &mut Recording<'_>,
+) -> Result<Applied> {
+    let start = Instant::now();
+    let mut stack = Stack {
+        grid: site.grid,
+        layout: site.layout,
+        recording,
+        compositor: site.compositor,
+        executor: site.executor,
+        observer: site.observer,
+        written: Vec::new(),
+    };
+    let Changed { recorded, made_layer } = stack.apply(operation)?;
+    let written = std::mem::take(&mut stack.written);
+    site.executor.forget(&written);
+    site.compositor.forget(&site.grid, site.layout, &written);
+    let entry = recording.record(recorded.to_json()?, site.author)?;
+    Ok(Applied {
+        entry,
+        operation: recorded.name(),
+        brush: recorded.content().and_then(|content| Some(content.procedure()?.brush.brush_type)),
+        made_layer,
+        num_pages: written.len(),
+        elapsed_s: start.elapsed().as_secs_f64(),
+        notices: Notices::default(),
+    })
+}
+
+/// Refuses what cannot be painted on.
+fn check_paintable(operation: &BrushOperation, layers: &[Layer], layer: &Layer) -> Result<()> {
+    if operation.target() == Target::Selection {
+        return Ok(());
+    }
+    refuse_locked(layers, layer)?;
+    let why = match layer.content {
+        LayerContent::Heights if !layer.transform.is_identity() => {
+            "it was moved, turned or enlarged: collapse it first, by `collapse_layer`"
+        }
+        LayerContent::Heights => return Ok(()),
+        _ if operation.target() == Target::Mask => return Ok(()),
+        LayerContent::Group => "it is a group: paint on one of its layers, or on its mask",
+        _ => "a brush works it out: paint on its mask, or collapse it first, by `collapse_layer`",
+    };
+    Err(refused(layer, "painted on", why.to_owned()))
 }
 
 /// Whether a brush looks at the terrain's selection.
@@ -214,7 +277,7 @@ fn needs_selection(brush: &Brush) -> bool {
 
 /// What an operation paints on. Makes the mask or the selection that it needs.
 fn canvas(
-    operation: &Operation,
+    operation: &BrushOperation,
     layer: &Layer,
     site: &Site<'_>,
     recording: &mut Recording<'_>,

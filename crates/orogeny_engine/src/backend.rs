@@ -9,6 +9,8 @@ use crate::access::Shares;
 
 /// Bytes of pages that stay resident, unless the caller says otherwise.
 const DEFAULT_PAGE_BUDGET_IN_BYTES: u64 = 1 << 30;
+/// Pages that working out a layer's brush may take, however small the budget is.
+const MIN_COMPOSITE_PAGES: u64 = 16;
 /// Layers of one texture array: 64 MiB of pages, so that little is allocated in vain.
 const LAYERS_PER_ARRAY: u32 = 256;
 
@@ -74,7 +76,20 @@ pub fn backend_description(settings: &Settings) -> Result<String> {
 
 /// Makes the executor that the settings ask for.
 pub(crate) fn executor(settings: &Settings, layout: PageLayout) -> Result<Box<dyn Executor>> {
-    let budget_in_bytes = Shares::of(settings.page_budget_in_bytes).executor_in_bytes;
+    executor_within(Shares::of(settings.page_budget_in_bytes).executor_in_bytes, settings, layout)
+}
+
+/// Makes the executor that works out brushes of layers: beside the one that paints, whose stroke may look at them.
+pub(crate) fn composite_executor(settings: &Settings, layout: PageLayout) -> Result<Box<dyn Executor>> {
+    let budget_in_bytes = Shares::of(settings.page_budget_in_bytes).composite_in_bytes;
+    executor_within(budget_in_bytes.max(MIN_COMPOSITE_PAGES * layout.size_in_bytes()), settings, layout)
+}
+
+fn executor_within(
+    budget_in_bytes: u64,
+    settings: &Settings,
+    layout: PageLayout,
+) -> Result<Box<dyn Executor>> {
     let cpu = || -> Result<Box<dyn Executor>> {
         Ok(Box::new(CpuExecutor::new(layout, budget_in_bytes, settings.num_threads)?))
     };

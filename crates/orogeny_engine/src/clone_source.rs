@@ -1,5 +1,6 @@
 //! The ground that a clone brush copies: a field of the terrain, or data from outside, of which what is needed is kept.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,10 +11,11 @@ use orogeny_store::{Layer, Recording};
 use tempfile::TempDir;
 
 use crate::access::{Access, band_bytes};
-use crate::composite::{Composite, Source};
+use crate::composite::{Composite, Compositor, Source};
+use crate::operation::BrushOperation;
 use crate::resources;
 use crate::terrain::find_layer;
-use crate::{Error, LayerReference, Operation, Result, Target};
+use crate::{Adapter, Error, LayerReference, Result, Settings, Target};
 
 /// The most samples of data from outside: as many as a picture for a brush may have.
 const MAX_SAMPLES: u64 = 4096 * 4096;
@@ -28,7 +30,7 @@ const TERRAIN_ENDING: &str = "orogeny";
 /// # Errors
 /// [`Error::UnknownLayer`]; [`Error::Read`], [`Error::Format`], [`Error::CloneSource`] or [`Error::Store`], naming the file.
 pub(crate) fn load(
-    operation: &Operation,
+    operation: &BrushOperation,
     brush: &mut Brush,
     layer: &Layer,
     grid: &TerrainGrid,
@@ -89,7 +91,7 @@ struct Cut {
 }
 
 /// Reads as much of a file as an operation needs.
-fn cut_out(operation: &Operation, brush: &Brush, grid: &TerrainGrid, file: &Path) -> Result<Cut> {
+fn cut_out(operation: &BrushOperation, brush: &Brush, grid: &TerrainGrid, file: &Path) -> Result<Cut> {
     let is_terrain = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(TERRAIN_ENDING));
     if is_terrain {
         let access = Access::reading(file)?;
@@ -98,7 +100,9 @@ fn cut_out(operation: &Operation, brush: &Brush, grid: &TerrainGrid, file: &Path
         let spacing_m = brush.cloning.source.spacing_m.unwrap_or_else(|| store.grid().spacing_m());
         let bounds = store.grid().bounds();
         let rect = needed(operation, brush, grid, spacing_m, &bounds, file)?;
-        let mut rows = Composite::new(store, Source::Composite, 0, rect, band_bytes(0));
+        let compositor =
+            RefCell::new(Compositor::new(&Settings { adapter: Adapter::Cpu, ..Settings::default() }));
+        let mut rows = Composite::new(store, &compositor, Source::Composite, 0, rect, band_bytes(0));
         let plane = read(rect, rect, |row| rows.read_rows(row).map(drop))?;
         return Ok(Cut { plane, first: [rect.x0, rect.z0], spacing_m });
     }
@@ -135,7 +139,7 @@ fn read(rows: SampleRect, rect: SampleRect, mut next: impl FnMut(&mut [f32]) -> 
 /// The samples of a source of `bounds` that an operation may look at: all where these are few, else those that come to lie
 /// where it acts, and as many around them.
 fn needed(
-    operation: &Operation,
+    operation: &BrushOperation,
     brush: &Brush,
     grid: &TerrainGrid,
     spacing_m: f64,
@@ -147,7 +151,7 @@ fn needed(
     }
     let source = &brush.cloning.source;
     let (reached, first_m) = reached(operation, brush, grid)?;
-    let is_fill = matches!(operation, Operation::Fill { .. });
+    let is_fill = matches!(operation, BrushOperation::Fill { .. });
     let is_aligned = is_fill || source.alignment == Alignment::Aligned;
     let to_m = source.to_m.filter(|_| is_aligned).unwrap_or(first_m);
     let placement = Placement::new(&source.placing(to_m, spacing_m, grid.spacing_m()));
@@ -168,9 +172,9 @@ fn needed(
 }
 
 /// The samples where an operation may act, and its first place in metres.
-fn reached(operation: &Operation, brush: &Brush, grid: &TerrainGrid) -> Result<(SampleRect, [f64; 2])> {
-    let Operation::Stroke { stroke, .. } = operation else {
-        let Operation::Fill { region_m: Some(region_m), .. } = operation else {
+fn reached(operation: &BrushOperation, brush: &Brush, grid: &TerrainGrid) -> Result<(SampleRect, [f64; 2])> {
+    let BrushOperation::Stroke { stroke, .. } = operation else {
+        let BrushOperation::Fill { region_m: Some(region_m), .. } = operation else {
             return Ok((grid.bounds(), [0.0; 2]));
         };
         return Ok((grid.samples_in_region(*region_m)?, [0.0; 2]));

@@ -1,8 +1,10 @@
 //! A terrain in numbers: what it is, what it takes, how high it is.
 
+use orogeny_field::{Blend, LayerTransform, MaskTerm};
 use orogeny_store::HistorySummary;
 
 use crate::composite::Source;
+use crate::layers::is_stale;
 use crate::progress::report;
 use crate::{Observer, Result, Terrain};
 
@@ -65,10 +67,32 @@ pub struct LayerDescription {
     pub name: String,
     /// Height where it has no page, in metres.
     pub constant_m: f32,
+    /// `heights`, `procedural`, `effect` or `group`.
+    pub content: &'static str,
+    /// The brush that makes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub brush: Option<&'static str>,
     /// Whether it counts.
     pub visible: bool,
+    /// Whether it is protected from being painted on.
+    pub locked: bool,
     /// How much it counts, 0..1.
     pub opacity: f32,
+    /// How it joins what is below.
+    pub blend: Blend,
+    /// Whether its mask was painted.
+    pub has_painted_mask: bool,
+    /// What else its mask is worked out from.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub mask_terms: Vec<MaskTerm>,
+    /// Where its heights were moved to.
+    #[serde(skip_serializing_if = "LayerTransform::is_identity")]
+    pub transform: LayerTransform,
+    /// The group that it is in, by its id.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub group: Option<u32>,
+    /// Whether it is an effect that is kept, and what is below was changed since it was worked out.
+    pub is_stale: bool,
     /// Pages that were painted.
     pub num_pages: u64,
 }
@@ -96,8 +120,17 @@ impl Terrain {
                 id: layer.id,
                 name: layer.name.clone(),
                 constant_m: layer.constant_m,
+                content: layer.content.name(),
+                brush: layer.content.procedure().map(|procedure| procedure.brush.brush_type.name()),
                 visible: layer.visible,
+                locked: layer.locked,
                 opacity: layer.opacity,
+                blend: layer.blend,
+                has_painted_mask: layer.mask.is_some(),
+                mask_terms: layer.mask_terms.clone(),
+                transform: layer.transform,
+                group: layer.group,
+                is_stale: is_stale(store, layer)?,
                 num_pages: store.num_pages(layer.heights)?,
             })
         });
@@ -123,7 +156,7 @@ impl Terrain {
         let executor = self.executor_memory();
         MemoryUse {
             budget_in_bytes: self.settings().page_budget_in_bytes,
-            pages_in_bytes: executor.host_in_bytes,
+            pages_in_bytes: executor.host_in_bytes + self.compositor().borrow().memory_in_bytes(),
             textures_in_bytes: executor.textures_in_bytes,
             store_in_bytes: self.store_memory_in_bytes(),
         }

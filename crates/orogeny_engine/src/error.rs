@@ -111,6 +111,44 @@ pub enum Error {
         /// The ones there are.
         known: String,
     },
+    /// A name that another layer has. Give another one.
+    #[error("there is a layer `{name}` already: no two layers of a terrain have the same name")]
+    LayerNameTaken {
+        /// The name.
+        name: String,
+    },
+    /// A layer that is protected, or in a group that is.
+    #[error("the layer `{name}` is locked: unlock it by `set_layer` with `locked` false")]
+    LayerLocked {
+        /// The layer, or the group, that is locked.
+        name: String,
+    },
+    /// Something that cannot be done with a layer, for what it is.
+    #[error("the layer `{name}` cannot be {done}: {why}")]
+    LayerRefused {
+        /// Which layer.
+        name: String,
+        /// What was to be done.
+        done: &'static str,
+        /// Why not, and what to do.
+        why: String,
+    },
+    /// An opacity, or a share of a mask, that is none.
+    #[error("`{field}` = {value} of the layer `{name}` cannot be used: it must be within 0 to 1")]
+    LayerShare {
+        /// Which layer.
+        name: String,
+        /// Which number.
+        field: &'static str,
+        /// What was given.
+        value: f32,
+    },
+    /// More layers than a terrain has.
+    #[error("the terrain has {limit} layers, the most there may be: collapse or remove some")]
+    TooManyLayers {
+        /// The limit.
+        limit: usize,
+    },
     /// A region, picture or raster that does not touch the terrain.
     #[error("{what} lies outside the terrain, which covers {width_m} x {depth_m} m")]
     OutsideTerrain {

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use orogeny_field::SampleRect;
+use orogeny_field::{LayerContent, SampleRect};
 use orogeny_formats::ExportOptions;
 
 use crate::composite::Source;
+use crate::layers::refused;
 use crate::progress::report;
 use crate::{Error, LayerReference, Observer, Result, Terrain};
 
@@ -16,12 +17,26 @@ pub struct ExportRequest {
     pub file: PathBuf,
     /// How to write it. The spacing is the terrain's where none is given.
     pub options: ExportOptions,
-    /// One layer alone; `None`: the composite.
-    pub layer: Option<LayerReference>,
+    /// What of the terrain.
+    pub source: ExportSource,
     /// `[x, z, width, depth]` in metres, far edges outside; `None`: the whole terrain.
     pub region_m: Option<[f64; 4]>,
     /// 0 for full resolution; each next level has a sample for two each way.
     pub level: u8,
+}
+
+/// What of a terrain is exported.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum ExportSource {
+    /// What all layers come to.
+    #[default]
+    Composite,
+    /// One layer alone: what it is made of, whether it counts or not.
+    Layer(LayerReference),
+    /// How much a layer counts where, 0..1, by its mask and those of its groups.
+    Mask(LayerReference),
+    /// How much is selected, 0..1.
+    Selection,
 }
 
 /// What an export wrote.
@@ -41,7 +56,13 @@ impl ExportRequest {
     /// The whole composite to a file.
     #[must_use]
     pub fn new(file: impl Into<PathBuf>) -> Self {
-        Self { file: file.into(), options: ExportOptions::default(), layer: None, region_m: None, level: 0 }
+        Self {
+            file: file.into(),
+            options: ExportOptions::default(),
+            source: ExportSource::Composite,
+            region_m: None,
+            level: 0,
+        }
     }
 }
 
@@ -54,10 +75,7 @@ impl Terrain {
     pub fn export(&self, request: &ExportRequest, observer: &mut dyn Observer) -> Result<ExportSummary> {
         let level = request.level;
         let rect = self.region_at(request.region_m, level)?;
-        let source = match &request.layer {
-            Some(reference) => Source::Layer(self.layer(Some(reference))?.id),
-            None => Source::Composite,
-        };
+        let source = self.source(&request.source)?;
         let mut options = request.options.clone();
         options.spacing_m.get_or_insert(self.grid().spacing_m() * f64::from(1_u32 << level));
         let (width, depth) = (rect.width(), rect.depth());
@@ -73,6 +91,39 @@ impl Terrain {
         }
         let notices = file.finish()?.notices;
         Ok(ExportSummary { file: request.file.clone(), width, depth, notices })
+    }
+
+    /// The heights of a region at a level, row by row, or a layer's, or how much counts where, as [`Self::export`] writes them; with
+    /// the samples along x and z.
+    ///
+    /// # Errors
+    /// [`Error::OutsideTerrain`], [`Error::UnknownLevel`], [`Error::UnknownLayer`], [`Error::Store`].
+    pub fn heights(
+        &self,
+        source: &ExportSource,
+        region_m: Option<[f64; 4]>,
+        level: u8,
+    ) -> Result<(u32, u32, Vec<f32>)> {
+        let rect = self.region_at(region_m, level)?;
+        let mut heights = vec![0.0; usize::try_from(rect.area()).unwrap_or_default()];
+        self.composite(self.source(source)?, level, rect)?.read_rows(&mut heights)?;
+        Ok((rect.width(), rect.depth(), heights))
+    }
+
+    fn source(&self, source: &ExportSource) -> Result<Source> {
+        Ok(match source {
+            ExportSource::Composite => Source::Composite,
+            ExportSource::Layer(layer) => {
+                let layer = self.layer(Some(layer))?;
+                if layer.content == LayerContent::Group {
+                    let why = "it is a group, which has no heights: read one of its layers".to_owned();
+                    return Err(refused(layer, "read", why));
+                }
+                Source::Layer(layer.id)
+            }
+            ExportSource::Mask(layer) => Source::Mask(self.layer(Some(layer))?.id),
+            ExportSource::Selection => Source::Selection,
+        })
     }
 
     /// The samples of a level in a region.

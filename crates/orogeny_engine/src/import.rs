@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use orogeny_field::{Page, PageKey, PageLayout, SampleRect, TerrainGrid};
+use orogeny_field::{LayerContent, Page, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_formats::{Import, ImportOptions};
 use orogeny_store::{BlobHash, EntryId, Layer, NewLayer, Recording};
 
 use crate::access::{PAGES_AT_ONCE, band_bytes, band_rows};
+use crate::layers::{refuse_locked, refused};
 use crate::progress::report;
 use crate::terrain::find_layer;
 use crate::{Error, LayerReference, Observer, Result, Settings, Terrain};
@@ -220,7 +221,15 @@ fn raster_rect(grid: &TerrainGrid, at_m: [f64; 2], width: u32, depth: u32) -> Re
 fn target_layer(recording: &mut Recording<'_>, name: Option<&str>) -> Result<(Layer, bool)> {
     let reference = name.map(|name| LayerReference::Name(name.to_owned()));
     match (find_layer(recording.layers(), reference.as_ref()), name) {
-        (Ok(layer), _) => Ok((layer.clone(), false)),
+        (Ok(layer), _) => {
+            refuse_locked(recording.layers(), layer)?;
+            if layer.content != LayerContent::Heights || !layer.transform.is_identity() {
+                let why = "it is not made of heights that lie where they are: give the name of a new layer"
+                    .to_owned();
+                return Err(refused(layer, "imported into", why));
+            }
+            Ok((layer.clone(), false))
+        }
         (Err(_), Some(name)) => {
             let layer = recording.add_layer(NewLayer { name: name.to_owned(), constant_m: 0.0 })?;
             Ok((layer, true))

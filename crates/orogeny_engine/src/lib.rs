@@ -35,6 +35,7 @@ mod export;
 mod ground;
 mod history;
 mod import;
+mod layers;
 mod map;
 mod operation;
 mod pages;
@@ -55,12 +56,16 @@ pub use brushes::{BrushDescription, ProfileRipple, brush_descriptions, brush_sch
 pub use custom::{CustomBrushFile, CustomParameter};
 pub use description::{Description, HeightStatistics, LayerDescription, MemoryUse};
 pub use error::{Error, Result};
-pub use export::{ExportRequest, ExportSummary};
+pub use export::{ExportRequest, ExportSource, ExportSummary};
 pub use import::{ImportRequest, ImportSummary};
 pub use map::{MapRequest, MapSummary};
-pub use operation::{Operation, Recipe, Target};
+pub use operation::{
+    AddLayer, BrushOperation, CollapseLayer, DuplicateLayer, LayerOperation, MaskFrom, MoveLayer, Operation,
+    Recipe, RefreshLayer, RemoveLayer, SetLayer, SetMask, Target,
+};
 pub use orogeny_field::{
-    BrushType, LayerReference, PageKey, Parameter, ParameterKind, SampleRect, TerrainGrid,
+    Blend, BrushType, LayerContent, LayerReference, LayerTransform, MaskTerm, PageKey, Parameter,
+    ParameterKind, SampleRect, TerrainGrid,
 };
 pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,

@@ -7,9 +7,6 @@ use orogeny_field::{FieldId, Page, PageKey, PageLayout};
 use orogeny_pages::{BoxError, PageStore};
 use orogeny_store::Recording;
 
-/// A mask counts everywhere until something is painted on it.
-const UNPAINTED_MASK: f32 = 1.0;
-
 /// Pages of a recording, with a note of those that were changed.
 pub(crate) struct RecordedPages<'a, 'recorder> {
     recording: &'a mut Recording<'recorder>,
@@ -21,15 +18,15 @@ pub(crate) struct RecordedPages<'a, 'recorder> {
 impl<'a, 'recorder> RecordedPages<'a, 'recorder> {
     pub(crate) fn new(recording: &'a mut Recording<'recorder>, layout: PageLayout) -> Self {
         let heights = recording.layers().iter().map(|layer| (layer.heights, layer.constant_m));
-        let masks = recording.layers().iter().filter_map(|layer| Some((layer.mask?, UNPAINTED_MASK)));
+        let masks = recording.layers().iter().filter_map(|layer| Some((layer.mask?, layer.mask_constant)));
         // What is in neither is the selection: nothing.
         let constants = heights.chain(masks).collect();
         Self { recording, layout, constants, saved: BTreeSet::new() }
     }
 
-    /// How many pages were saved.
-    pub(crate) fn num_saved(&self) -> usize {
-        self.saved.len()
+    /// The pages that were saved.
+    pub(crate) fn into_saved(self) -> Vec<PageKey> {
+        self.saved.into_iter().collect()
     }
 }
 

@@ -81,24 +81,29 @@ impl Terrain {
         observer: &mut dyn Observer,
     ) -> Result<()> {
         let cannot = |detail: String| Error::CannotReplay { entry: entry.id.0, detail };
-        let mut value: serde_json::Value =
+        let value: serde_json::Value =
             serde_json::from_str(&entry.operation_json).map_err(|err| cannot(err.to_string()))?;
         if value.get("op").and_then(serde_json::Value::as_str) == Some(RecordedImport::OP) {
             let import: RecordedImport =
                 serde_json::from_value(value).map_err(|err| cannot(err.to_string()))?;
             return self.replay_import(source, entry, import, layer_ids, observer);
         }
-        for place in ["/layer", "/brush/source/layer"] {
-            if let Some(layer) = value.pointer_mut(place) {
-                let id = layer.as_u64().and_then(|id| layer_ids.get(&u32::try_from(id).ok()?));
-                *layer = (*id.ok_or_else(|| cannot(format!("its layer {layer} does not exist")))?).into();
-            }
-        }
         let mut operation = Operation::from_json(value).map_err(|err| cannot(err.to_string()))?;
+        for layer in operation.layers_mut() {
+            let id = match layer {
+                LayerReference::Id(id) => layer_ids.get(id).copied(),
+                LayerReference::Name(_) => None,
+            };
+            let unknown = || cannot(format!("its layer {layer:?} does not exist"));
+            *layer = LayerReference::Id(id.ok_or_else(unknown)?);
+        }
         let folder = tempfile::tempdir().map_err(|err| cannot(err.to_string()))?;
-        resources::unpack(operation.brush_mut(), source, folder.path())
+        resources::unpack(operation.sources_mut(), source, folder.path())
             .map_err(|err| cannot(err.to_string()))?;
-        self.submit(&[operation], observer).map(|_| ())
+        let applied = self.submit(std::slice::from_ref(&operation), observer)?;
+        let made = applied.into_iter().find_map(|applied| applied.made_layer);
+        layer_ids.extend(operation.recorded_id().zip(made));
+        Ok(())
     }
 
     fn replay_import(

@@ -49,12 +49,20 @@ fn picture(source: Option<&mut DataSource>, recording: &mut Recording<'_>) -> Re
     Ok(Some(Arc::new(bitmap)))
 }
 
-fn image_of(gate: Option<&mut Gate>) -> Option<&mut DataSource> {
+/// Reads the picture of a gate that belongs to no brush, which names its content then.
+///
+/// # Errors
+/// As [`load`].
+pub(crate) fn keep_image(gate: &mut Gate, recording: &mut Recording<'_>) -> Result<()> {
+    picture(image_of(Some(gate)), recording).map(drop)
+}
+
+pub(crate) fn image_of(gate: Option<&mut Gate>) -> Option<&mut DataSource> {
     Some(&mut gate?.image.as_mut()?.source)
 }
 
 /// Everything that a brush names.
-fn sources(brush: &mut Brush) -> impl Iterator<Item = &mut DataSource> {
+pub(crate) fn sources(brush: &mut Brush) -> impl Iterator<Item = &mut DataSource> {
     let all = [
         brush.alpha.as_mut().map(|alpha| &mut alpha.source),
         brush.custom.as_mut().map(|custom| &mut custom.source),
@@ -76,8 +84,8 @@ pub(crate) fn compile(bytes: Vec<u8>, name: &str, identity: String) -> Result<Cu
 }
 
 /// Makes relative file names relative to a folder.
-pub(crate) fn resolve_files(brush: &mut Brush, folder: &Path) {
-    for source in sources(brush) {
+pub(crate) fn resolve_files(sources: Vec<&mut DataSource>, folder: &Path) {
+    for source in sources {
         if let DataSource::File(file) = source {
             let joined = folder.join(&*file).to_string_lossy().into_owned();
             *file = joined;
@@ -85,12 +93,12 @@ pub(crate) fn resolve_files(brush: &mut Brush, folder: &Path) {
     }
 }
 
-/// Writes what a recorded brush names into files of a folder, and lets it name them: for doing it again on another terrain.
+/// Writes what a recorded operation names into files of a folder, and lets it name them: for doing it again on another terrain.
 ///
 /// # Errors
 /// [`Error::Store`] for data that is not there, [`Error::Write`].
-pub(crate) fn unpack(brush: &mut Brush, source: &Store, folder: &Path) -> Result<()> {
-    for data in sources(brush) {
+pub(crate) fn unpack(sources: Vec<&mut DataSource>, source: &Store, folder: &Path) -> Result<()> {
+    for data in sources {
         let DataSource::Blake3(name) = data else { continue };
         let path = folder.join(&*name).with_extension(HEIGHTS_ENDING);
         let failed = |source| Error::Write { path: path.clone(), source };
@@ -102,7 +110,7 @@ pub(crate) fn unpack(brush: &mut Brush, source: &Store, folder: &Path) -> Result
     Ok(())
 }
 
-fn hash_of(name: &str) -> Result<BlobHash> {
+pub(crate) fn hash_of(name: &str) -> Result<BlobHash> {
     BlobHash::from_hex(name).ok_or_else(|| Error::Operation {
         place: "the operation".to_owned(),
         detail: format!("`blake3` is `{name}`, it must be 64 hexadecimal digits"),

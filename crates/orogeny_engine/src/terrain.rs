@@ -1,5 +1,6 @@
 //! The open terrain: its file, its executor, its history.
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -9,7 +10,7 @@ use orogeny_store::{CheckReport, Layer, NewLayer, NewTerrain, Recorder, Repaired
 
 use crate::access::{Access, band_bytes, open_to_write, up_to_date};
 use crate::backend::{self, Settings};
-use crate::composite::{Composite, Source};
+use crate::composite::{Composite, Compositor, Node, Source, StorePages};
 use crate::{Error, LayerReference, Result};
 
 /// The name of the layer that a new terrain has.
@@ -22,6 +23,15 @@ pub struct Terrain {
     settings: Settings,
     /// Made when the first operation needs it.
     executor: Option<Box<dyn Executor>>,
+    /// Works out the layer stack, and keeps what took long.
+    compositor: RefCell<Compositor>,
+}
+
+/// What operations are run with.
+pub(crate) struct Parts<'a> {
+    pub(crate) recorder: &'a mut Recorder,
+    pub(crate) executor: &'a mut dyn Executor,
+    pub(crate) compositor: &'a mut Compositor,
 }
 
 impl std::fmt::Debug for Terrain {
@@ -68,7 +78,8 @@ impl Terrain {
 
     pub(crate) fn of(access: Access, settings: Settings) -> Result<Self> {
         let grid = access.on_disk()?.grid();
-        Ok(Self { access, grid, settings, executor: None })
+        let compositor = RefCell::new(Compositor::new(&settings));
+        Ok(Self { access, grid, settings, executor: None, compositor })
     }
 
     /// Reads and verifies everything of a terrain file.
@@ -130,7 +141,7 @@ impl Terrain {
     /// # Errors
     /// [`Error::Gpu`] when the adapter asked for cannot be used.
     pub fn backend_description(&mut self) -> Result<String> {
-        Ok(self.recorder_and_executor()?.1.description())
+        Ok(self.parts()?.executor.description())
     }
 
     /// The height of the composite at the sample nearest to a place in metres, clamped to the terrain.
@@ -148,14 +159,19 @@ impl Terrain {
         Ok(height_m)
     }
 
-    /// What of a rectangle of a level, in samples of that level, has pages on any visible layer, page by page.
+    /// What of a rectangle of a level, in samples of that level, is not as [`Self::unpainted_height_m`] says, page by page.
     pub(crate) fn painted_rects(&self, level: u8, rect: SampleRect) -> Result<Vec<SampleRect>> {
         let store = self.settled()?;
         let layout = store.layout();
         let mut places = BTreeSet::new();
-        for layer in store.layers().iter().filter(|layer| layer.visible) {
-            let keys = store.page_keys_in(layer.heights, level, &rect)?;
-            places.extend(keys.into_iter().map(|key| (key.z, key.x)));
+        let nodes = self.compositor.borrow_mut().nodes(store.layers(), &mut StorePages::new(store))?;
+        if nodes.iter().all(Node::is_constant_without_pages) {
+            for stored in nodes.iter().flat_map(Node::fields) {
+                let keys = store.page_keys_in(stored.field, level, &rect)?;
+                places.extend(keys.into_iter().map(|key| (key.z, key.x)));
+            }
+        } else {
+            places.extend(layout.pages_in(rect).map(|(x, z)| (z, x)));
         }
         let rects = places
             .into_iter()
@@ -165,15 +181,30 @@ impl Terrain {
 
     /// The composite where nothing is painted.
     pub(crate) fn unpainted_height_m(&self) -> Result<f32> {
-        let mut visible = self.layers()?.iter().filter(|layer| layer.visible);
-        let lowest_m = visible.next().map_or(0.0, |layer| layer.constant_m);
-        Ok(visible.fold(lowest_m, |height_m, layer| height_m + layer.opacity * layer.constant_m))
+        let store = self.settled()?;
+        let nodes = self.compositor.borrow_mut().nodes(store.layers(), &mut StorePages::new(store))?;
+        let mut height_m = [0.0];
+        for node in nodes.iter() {
+            node.join_constant(&mut height_m);
+        }
+        let [height_m] = height_m;
+        Ok(height_m)
     }
 
     /// The executor's pages are no longer those of the file.
     pub(crate) fn forget_pages(&mut self, keys: &[PageKey]) {
         if let Some(executor) = &mut self.executor {
             executor.forget(keys);
+        }
+        self.forget_composite(keys);
+    }
+
+    /// What was worked out of these pages is no longer true.
+    pub(crate) fn forget_composite(&mut self, keys: &[PageKey]) {
+        let layout = self.access.on_disk().map(Store::layout);
+        match layout {
+            Ok(layout) => self.compositor.get_mut().forget(&self.grid, layout, keys),
+            Err(_) => self.compositor.get_mut().forget_all(),
         }
     }
 
@@ -182,6 +213,7 @@ impl Terrain {
         if let Some(executor) = &mut self.executor {
             executor.cancel();
         }
+        self.compositor.get_mut().forget_all();
     }
 
     /// Removes a terrain that was only just made and did not come to anything.
@@ -225,16 +257,25 @@ impl Terrain {
     /// Heights of a rectangle of a level, row by row.
     pub(crate) fn composite(&self, source: Source, level: u8, rect: SampleRect) -> Result<Composite<'_>> {
         let max_band_bytes = band_bytes(self.settings.page_budget_in_bytes);
-        Ok(Composite::new(self.settled()?, source, level, rect, max_band_bytes))
+        let store = self.settled()?;
+        if matches!(self.access, Access::Read(_)) {
+            self.compositor.borrow_mut().at_commit(store.num_commits()?);
+        }
+        Ok(Composite::new(store, &self.compositor, source, level, rect, max_band_bytes))
     }
 
-    pub(crate) fn recorder_and_executor(&mut self) -> Result<(&mut Recorder, &mut dyn Executor)> {
+    pub(crate) const fn compositor(&self) -> &RefCell<Compositor> {
+        &self.compositor
+    }
+
+    /// What operations are run with.
+    pub(crate) fn parts(&mut self) -> Result<Parts<'_>> {
         let recorder = self.access.recorder()?;
         let executor = match &mut self.executor {
             Some(executor) => executor,
             none => none.insert(backend::executor(&self.settings, recorder.on_disk()?.layout())?),
         };
-        Ok((recorder, executor.as_mut()))
+        Ok(Parts { recorder, executor: executor.as_mut(), compositor: self.compositor.get_mut() })
     }
 
     #[cfg(test)]

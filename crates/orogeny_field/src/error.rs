@@ -180,4 +180,35 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
+    /// A brush that no layer can be made of.
+    #[error("no {content} layer can be made of the brush `{brush}`: {why}")]
+    LayerBrush {
+        /// The brush's type.
+        brush: &'static str,
+        /// What the layer was to be: `procedural` or `effect`.
+        content: &'static str,
+        /// Why not, and what to do.
+        why: &'static str,
+    },
+    /// A number of a layer, or of its mask, that is out of its range.
+    #[error("`{field}` = {value} of a layer cannot be used: it must be within {low} to {high}")]
+    LayerValue {
+        /// Which one.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// The least.
+        low: f64,
+        /// The most.
+        high: f64,
+    },
+    /// A term of a mask between two heights that are one.
+    #[error("`low` and `high` of a mask's term are both {low} m: they must differ")]
+    LayerRange {
+        /// Both, in metres.
+        low: f64,
+    },
+    /// A term of a mask that is worked out from nothing, or from several things.
+    #[error("a term of a mask has one of `gate`, `heights` and `mask`")]
+    MaskSource,
 }

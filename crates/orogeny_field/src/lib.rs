@@ -31,6 +31,7 @@ mod grid;
 pub mod hash;
 mod height;
 mod instance;
+mod layer;
 mod level;
 pub mod noise;
 mod page;
@@ -60,6 +61,10 @@ pub use grab::{Drag, GrabKernel};
 pub use grid::{MAX_SIDE_SAMPLES, MAX_SPACING_M, MIN_SPACING_M, TerrainGrid};
 pub use height::{MAX_HEIGHT_M, check_height, is_storable_height, sanitized_height};
 pub use instance::{Footprint, Instance, WeightMode};
+pub use layer::{
+    Blend, LAYER_PYRAMID_LEVELS, LayerContent, LayerTransform, MAX_MASK_TERMS, MaskCombine, MaskSource,
+    MaskTerm, Procedure,
+};
 pub use level::{HeightBounds, MIN_ERROR_GROWTH, rect_above, rect_below};
 pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
 pub use placement::{Part, Place, Placement, Placing};

@@ -18,6 +18,12 @@ const ZSTD_LEVEL: i32 = 1;
 pub struct BlobHash(pub [u8; 32]);
 
 impl BlobHash {
+    /// Of data in memory.
+    #[must_use]
+    pub fn of(data: &[u8]) -> Self {
+        Self(*blake3::hash(data).as_bytes())
+    }
+
     /// From its hexadecimal digits, as recorded operations have them.
     #[must_use]
     pub fn from_hex(hex: &str) -> Option<Self> {

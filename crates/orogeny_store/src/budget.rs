@@ -139,11 +139,14 @@ fn drop_entry(
     (entry, state): (EntryId, EntryState),
     dropped: &mut Dropped,
 ) -> Result<()> {
+    if state == EntryState::Applied {
+        db.fold_layer_changes(entry, EntryId::CREATION)?;
+    }
+    // Without the data that is needed on.
     let size_in_bytes = db.entry_bytes(entry)?;
     if state == EntryState::Applied {
         // It becomes part of where undoing ends. Its branches are gone, so the one child it may have is the next to show or
         // to be redone.
-        db.fold_layer_changes(entry, EntryId::CREATION)?;
         for child in db.children_of(entry)? {
             db.set_parent(child, EntryId::CREATION)?;
         }

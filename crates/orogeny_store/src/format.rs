@@ -26,7 +26,7 @@
 pub const APPLICATION_ID: i32 = 0x4f52_4f47;
 
 /// The schema below, bytes 60..64 of the file. Files of a newer one are refused.
-pub const FORMAT_VERSION: i32 = 3;
+pub const FORMAT_VERSION: i32 = 4;
 
 /// How terrain files are called: `NAME.orogeny`.
 pub const FILE_EXTENSION: &str = "orogeny";
@@ -57,7 +57,7 @@ pub(crate) const CONNECTION_SETTINGS: &str = "
     PRAGMA journal_size_limit = 67108864;
 ";
 
-/// The tables of version 3.
+/// The tables of versions 3 and 4.
 pub(crate) const SCHEMA: &str = "
     CREATE TABLE document (
         id         INTEGER PRIMARY KEY CHECK (id = 1),

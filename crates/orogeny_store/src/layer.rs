@@ -1,6 +1,6 @@
 //! Layers as the store keeps them.
 
-use orogeny_field::{FieldId, check_height};
+use orogeny_field::{Blend, FieldId, LayerContent, LayerTransform, MaskTerm, check_height};
 
 use crate::{Error, Result};
 
@@ -46,28 +46,6 @@ pub struct Field {
     pub constant: f32,
 }
 
-/// How a layer's heights join those below it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum Blend {
-    /// The sum of both.
-    #[default]
-    Add,
-    /// What is below, less the layer.
-    Subtract,
-    /// The higher of the two.
-    Max,
-    /// The lower of the two.
-    Min,
-    /// The product of both.
-    Multiply,
-    /// The layer alone.
-    Replace,
-    /// Both, band by band of their Laplacian pyramids.
-    Laplacian,
-}
-
 /// An entry of the layer stack.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -78,7 +56,10 @@ pub struct Layer {
     pub position: u32,
     /// What the user calls it.
     pub name: String,
-    /// The field that holds its heights.
+    /// What it is made of.
+    #[serde(default, skip_serializing_if = "is_heights")]
+    pub content: LayerContent,
+    /// The field that holds its heights; of a layer that is not made of heights, what was kept of it.
     pub heights: FieldId,
     /// Its height wherever it has no page, in metres. The field's, so it is not part of the layer's own record.
     #[serde(skip)]
@@ -86,12 +67,46 @@ pub struct Layer {
     /// The field that holds its mask; `None`: it counts everywhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mask: Option<FieldId>,
+    /// How much it counts where its mask has no page. The field's, as `constant_m` is.
+    #[serde(skip)]
+    pub mask_constant: f32,
+    /// Where it counts besides that, worked out from what lies below; in order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mask_terms: Vec<MaskTerm>,
     /// Whether it counts.
     pub visible: bool,
+    /// Whether it is protected from being painted on.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub locked: bool,
     /// How much it counts, 0..1.
     pub opacity: f32,
     /// How it joins the layers below.
     pub blend: Blend,
+    /// Where its heights lie.
+    #[serde(default, skip_serializing_if = "LayerTransform::is_identity")]
+    pub transform: LayerTransform,
+    /// The group that it is in, by that layer's id.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<u32>,
+    /// Of an effect that is kept: what it was made of, so that a change of that can be seen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_of: Option<MadeOf>,
+}
+
+/// What an effect that is kept was made of.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MadeOf {
+    /// The entry of the history that made it: what was changed later it does not show.
+    pub entry: u32,
+    /// The samples that it was made for, `[x0, z0, x1, z1]`, the far edges outside.
+    pub region: [i32; 4],
+    /// The hash of its brush, and of all layers below with their settings.
+    pub layers: String,
+}
+
+fn is_heights(content: &LayerContent) -> bool {
+    *content == LayerContent::Heights
 }
 
 impl Layer {

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use orogeny_field::{FieldId, PageKey};
+use orogeny_field::{Blend, FieldId, LayerContent, LayerTransform, PageKey};
 
 use crate::database::Database;
 use crate::rows::{Document, LayerChange};
-use crate::{Blend, EntryId, Error, Field, FieldKind, Layer, NewLayer, Result};
+use crate::{EntryId, Error, Field, FieldKind, Layer, NewLayer, Result};
 
 /// The layers, and all fields.
 #[derive(Debug, Clone, Default)]
@@ -31,7 +31,7 @@ impl Stack {
             };
             layer.constant_m = field(layer.heights, FieldKind::Heights)?.constant;
             if let Some(mask) = layer.mask {
-                field(mask, FieldKind::Mask)?;
+                layer.mask_constant = field(mask, FieldKind::Mask)?.constant;
             }
             layers.push(layer);
         }
@@ -70,12 +70,19 @@ impl Stack {
             id: document.next_layer()?,
             position: self.layers.last().map_or(0, |top| top.position.saturating_add(1)),
             name: new.name,
+            content: LayerContent::Heights,
             heights: self.add_field(db, document, heights)?,
             constant_m: new.constant_m,
             mask: None,
+            mask_constant: 0.0,
+            mask_terms: Vec::new(),
             visible: true,
+            locked: false,
             opacity: 1.0,
             blend: Blend::default(),
+            transform: LayerTransform::default(),
+            group: None,
+            made_of: None,
         };
         let state = layer.to_state()?;
         db.set_layer(layer.id, Some(&state))?;

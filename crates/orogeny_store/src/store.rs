@@ -271,6 +271,23 @@ impl Store {
         self.db.page_keys_in(field, level, along(rect.z0, rect.z1), along(rect.x0, rect.x1))
     }
 
+    /// The latest entry that changed any of a field's pages that hold a sample of a rectangle, at full resolution; `None` where
+    /// there is none.
+    ///
+    /// # Errors
+    /// When the directory cannot be read.
+    pub fn newest_revision(
+        &self,
+        field: FieldId,
+        rect: &orogeny_field::SampleRect,
+    ) -> Result<Option<EntryId>> {
+        let mut newest = None;
+        for key in self.page_keys_in(field, 0, rect)? {
+            newest = newest.max(self.db.page_info(&key)?.map(|info| info.revision));
+        }
+        Ok(newest)
+    }
+
     /// How many pages of a field were painted.
     ///
     /// # Errors

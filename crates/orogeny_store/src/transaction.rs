@@ -150,11 +150,27 @@ impl<'store> Transaction<'store> {
     /// # Errors
     /// As [`Self::add_field`].
     pub fn selection(&mut self) -> Result<orogeny_field::FieldId> {
-        let known = self.stack.fields.iter().find(|(_, field)| field.kind == FieldKind::Selection);
-        match known {
-            Some((id, _)) => Ok(*id),
+        match self.known_selection() {
+            Some(id) => Ok(id),
             None => self.add_field(Field { kind: FieldKind::Selection, constant: 0.0 }),
         }
+    }
+
+    /// The pages that a field has at full resolution.
+    ///
+    /// # Errors
+    /// When the directory cannot be read.
+    pub fn page_keys(&self, field: orogeny_field::FieldId) -> Result<Vec<PageKey>> {
+        let mut keys = self.store.db.page_keys(field)?;
+        keys.retain(|key| key.level == 0);
+        Ok(keys)
+    }
+
+    /// The field of the terrain's selection, where there is one.
+    #[must_use]
+    pub fn known_selection(&self) -> Option<orogeny_field::FieldId> {
+        let mut fields = self.stack.fields.iter();
+        fields.find(|(_, field)| field.kind == FieldKind::Selection).map(|(id, _)| *id)
     }
 
     /// The layer with a mask, made where it had none: it counts everywhere then.
@@ -166,16 +182,16 @@ impl<'store> Transaction<'store> {
             return Ok(layer.clone());
         }
         let mask = self.add_field(Field { kind: FieldKind::Mask, constant: 1.0 })?;
-        let masked = Layer { mask: Some(mask), ..layer.clone() };
+        let masked = Layer { mask: Some(mask), mask_constant: 1.0, ..layer.clone() };
         self.set_layer(&masked)?;
         Ok(masked)
     }
 
-    /// Changes a layer: its name, place, mask, visibility, opacity or blend mode. Its heights stay the same field.
+    /// Changes a layer: all of it but its id.
     ///
     /// # Errors
-    /// [`Error::UnknownLayer`] where there is none of that id; [`Error::LayerName`]; [`Error::UnknownField`] for a mask
-    /// that is no field of masks; after any other error the transaction can only be dropped.
+    /// [`Error::UnknownLayer`] where there is none of that id; [`Error::LayerName`]; [`Error::UnknownField`] for heights or a
+    /// mask that are no field of such; after any other error the transaction can only be dropped.
     pub fn set_layer(&mut self, layer: &Layer) -> Result<()> {
         self.refuse_after_failure()?;
         crate::layer::check_name(&layer.name)?;
@@ -184,27 +200,53 @@ impl<'store> Transaction<'store> {
         {
             return Err(Error::UnknownField { field: mask });
         }
+        let heights = self.stack.fields.get(&layer.heights).filter(|field| field.kind == FieldKind::Heights);
+        let Some(Field { constant: constant_m, .. }) = heights.copied() else {
+            return Err(Error::UnknownField { field: layer.heights });
+        };
         let known = self.stack.layers.iter().position(|known| known.id == layer.id);
         let Some(known) = known.and_then(|place| self.stack.layers.get_mut(place)) else {
             return Err(Error::UnknownLayer { layer: layer.id });
         };
-        let after = Layer { heights: known.heights, constant_m: known.constant_m, ..layer.clone() };
+        let mask_constant =
+            layer.mask.and_then(|mask| self.stack.fields.get(&mask)).map(|field| field.constant);
+        let after = Layer { constant_m, mask_constant: mask_constant.unwrap_or_default(), ..layer.clone() };
         let before = std::mem::replace(known, after);
         let result = self.write_layer_change(&before, layer);
         self.stack.layers.sort_by_key(|layer| (layer.position, layer.id));
         self.fail_with(result)
     }
 
+    /// Takes a layer out of the stack. Its pages stay in the file, since the history leads back to them.
+    ///
+    /// # Errors
+    /// [`Error::UnknownLayer`] where there is none of that id; after any other error the transaction can only be dropped.
+    pub fn remove_layer(&mut self, id: u32) -> Result<Layer> {
+        self.refuse_after_failure()?;
+        let Some(place) = self.stack.layers.iter().position(|layer| layer.id == id) else {
+            return Err(Error::UnknownLayer { layer: id });
+        };
+        let removed = self.stack.layers.remove(place);
+        let result = self.write_layer_state(&removed, None);
+        self.fail_with(result)?;
+        Ok(removed)
+    }
+
     fn write_layer_change(&self, before: &Layer, after: &Layer) -> Result<()> {
+        self.write_layer_state(before, Some(after.to_state()?))
+    }
+
+    /// Writes a layer as it is now, `None` where it is gone, and what the entry did to it.
+    fn write_layer_state(&self, before: &Layer, after: Option<String>) -> Result<()> {
         let db = &self.store.db;
-        let state = Layer { heights: before.heights, ..after.clone() }.to_state()?;
-        db.set_layer(after.id, Some(&state))?;
-        let made_here = db.layer_changes(self.entry)?.into_iter().find(|change| change.layer == after.id);
+        let layer = before.id;
+        db.set_layer(layer, after.as_deref())?;
+        let made_here = db.layer_changes(self.entry)?.into_iter().find(|change| change.layer == layer);
         let before = match made_here {
             Some(change) => change.before,
             None => Some(before.to_state()?),
         };
-        db.set_layer_change(self.entry, &LayerChange { layer: after.id, before, after: Some(state) })
+        db.set_layer_change(self.entry, &LayerChange { layer, before, after })
     }
 
     /// Ends what was done since the last record as one entry of the history, on which later changes of this transaction

@@ -3,7 +3,8 @@
 //! A damaged page stays one: it is refused by name, and can be repaired as any other.
 //!
 //! Version 1 had no levels above full resolution, no bounds of pages, no data from outside and no budget of the history. Version 2 did not
-//! say how far a coarse page is from full resolution.
+//! say how far a coarse page is from full resolution. Version 3 has the tables of version 4; its layers were all made of heights, which is
+//! what a layer is that says nothing else.
 
 use orogeny_field::{FieldId, HeightBounds, PageKey, PageLayout, TerrainGrid};
 use rusqlite::params;
@@ -20,7 +21,15 @@ const RENAMED: [&str; 3] = ["document", "field", "page"];
 
 /// Brings a file of an older version up to date.
 pub(crate) fn to_current(db: &Database, version: i32) -> Result<()> {
-    if version < 2 { from_version_1(db) } else { from_version_2(db) }
+    match version {
+        ..2 => from_version_1(db),
+        2 => from_version_2(db),
+        _ => db.in_transaction(|| set_current_version(db)),
+    }
+}
+
+fn set_current_version(db: &Database) -> Result<()> {
+    db.run(&format!("PRAGMA user_version = {}", format::FORMAT_VERSION))
 }
 
 /// Makes all coarse pages anew, with their errors; there may be more of them. Those of full resolution stay as they are, with their checksums.
@@ -35,7 +44,7 @@ fn from_version_2(db: &Database) -> Result<()> {
             pages.extend(pyramid::all_of(&grid, layout, keys));
         }
         pyramid::refresh(db, grid, layout, |key| stack.constant(key), pages)?;
-        db.run(&format!("PRAGMA user_version = {}", format::FORMAT_VERSION))
+        set_current_version(db)
     })
 }
 
@@ -59,7 +68,7 @@ fn from_version_1(db: &Database) -> Result<()> {
         db.write_document(&Document { history_bytes: db.history_bytes()?, ..document.clone() })?;
         let stack = Stack::load(db)?;
         pyramid::refresh(db, document.grid, document.layout, |key| stack.constant(key), pages)?;
-        db.run(&format!("PRAGMA user_version = {}", format::FORMAT_VERSION))
+        set_current_version(db)
     })?;
     db.run("PRAGMA legacy_alter_table = OFF; PRAGMA foreign_keys = ON")
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use anyhow::anyhow;
 use clap::Args;
-use orogeny_engine::{Applied, Dropped, MemoryUse, Recipe};
+use orogeny_engine::{Applied, BrushType, Dropped, MemoryUse, Recipe};
 use serde::Serialize;
 
 use crate::output::{count, dropped_line, text_of, write_notices};
@@ -110,7 +110,8 @@ impl fmt::Display for Report {
 /// What an operation did, in a line.
 fn one_line(applied: &Applied) -> String {
     let pages = count(applied.num_pages as u64, "page");
-    let what = format!("{} {}", applied.operation, applied.brush.name());
+    let brush = applied.brush.map_or("", BrushType::name);
+    let what = format!("{} {brush}", applied.operation);
     let mut line = format!("{what:<18} {pages:>10}  {:.3} s", applied.elapsed_s);
     if applied.notices.num_clamped_heights > 0 {
         let heights = count(applied.notices.num_clamped_heights, "height");

@@ -143,7 +143,7 @@ impl Demo<'_> {
         let applied = terrain.apply(&recipe.operations, &mut ProgressWatch::new())?;
         self.step(format!("applied {} of recipe.json", count(applied.len() as u64, "operation")))?;
         for brush_type in BrushType::ALL {
-            let by_it: Vec<_> = applied.iter().filter(|one| one.brush == brush_type).collect();
+            let by_it: Vec<_> = applied.iter().filter(|one| one.brush == Some(brush_type)).collect();
             if !by_it.is_empty() {
                 let strokes = count(by_it.len() as u64, "stroke");
                 let elapsed_s: f64 = by_it.iter().map(|one| one.elapsed_s).sum();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use orogeny_engine::{ExportOptions, ExportRequest, LayerReference};
+use orogeny_engine::{ExportOptions, ExportRequest, ExportSource, LayerReference};
 use serde::Serialize;
 
 use crate::output::{text_of, write_notices};
@@ -26,9 +26,15 @@ pub struct Arguments {
     /// A coarser level, with a sample for two each way; 0 is full resolution
     #[arg(long, value_name = "K", default_value_t = 0)]
     level: u8,
-    /// One layer alone [default: what all of them come to]
+    /// One layer alone, as it is made, whether it shows or not [default: what all of them come to]
     #[arg(long, value_name = "NAME")]
     layer: Option<String>,
+    /// How much a layer counts where, 0 to 1, by its mask and those of its groups
+    #[arg(long, value_name = "NAME", conflicts_with = "layer")]
+    mask: Option<String>,
+    /// How much is selected where, 0 to 1
+    #[arg(long, conflicts_with_all = ["layer", "mask"])]
+    selection: bool,
     /// Heights in metres that become the samples 0 and 65535 (or 255) of a PNG, .r16 or .raw; kept in a .json beside it
     #[arg(long, value_name = "LO,HI", value_parser = values::range, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
@@ -64,7 +70,12 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
             range_m: arguments.range.map(Into::into),
             ..ExportOptions::default()
         },
-        layer: arguments.layer.map(LayerReference::Name),
+        source: match (arguments.layer, arguments.mask, arguments.selection) {
+            (Some(layer), ..) => ExportSource::Layer(LayerReference::Name(layer)),
+            (_, Some(layer), _) => ExportSource::Mask(LayerReference::Name(layer)),
+            (.., true) => ExportSource::Selection,
+            _ => ExportSource::Composite,
+        },
         region_m: arguments.region,
         level: arguments.level,
     };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use indicatif::HumanBytes;
-use orogeny_engine::{Description, HeightStatistics};
+use orogeny_engine::{Description, HeightStatistics, LayerDescription};
 use serde::Serialize;
 
 use crate::output::{count, memory_line, text_of};
@@ -46,6 +46,41 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     session.output().report(&Report { terrain: text_of(&arguments.terrain), description, heights })
 }
 
+/// A layer in a line.
+fn layer_line(layer: &LayerDescription, layers: &[LayerDescription], page_size: u32) -> String {
+    let pages = count(layer.num_pages, "page");
+    let mut line = format!("{} `{}`: ", layer.id, layer.name);
+    line.push_str(&match (layer.content, layer.brush) {
+        ("heights", _) => {
+            format!("{pages} of {page_size} x {page_size}, elsewhere {} m", layer.constant_m)
+        }
+        (content, Some(brush)) => format!("{content} `{brush}`"),
+        (content, None) => content.to_owned(),
+    });
+    line.push_str(&format!(", {}, opacity {}", layer.blend.name(), layer.opacity));
+    if let Some(group) = layers.iter().find(|group| Some(group.id) == layer.group) {
+        line.push_str(&format!(", in `{}`", group.name));
+    }
+    let terms = count(layer.mask_terms.len() as u64, "term");
+    match (layer.has_painted_mask, layer.mask_terms.is_empty()) {
+        (true, true) => line.push_str(", painted mask"),
+        (true, false) => line.push_str(&format!(", painted mask and {terms}")),
+        (false, false) => line.push_str(&format!(", mask of {terms}")),
+        (false, true) => {}
+    }
+    for (is_so, what) in [
+        (!layer.transform.is_identity(), ", moved"),
+        (layer.locked, ", locked"),
+        (!layer.visible, ", hidden"),
+        (layer.is_stale, ", stale: what is below has changed since it was worked out (`refresh_layer`)"),
+    ] {
+        if is_so {
+            line.push_str(what);
+        }
+    }
+    line
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Description { width, depth, spacing_m, width_m, depth_m, page_size, layers, history, .. } =
@@ -60,13 +95,7 @@ impl fmt::Display for Report {
         let levels = count((*num_levels_above).into(), "coarser level");
         writeln!(f, "file     {}, {commits}, {levels}", HumanBytes(*file_size_in_bytes))?;
         for layer in layers {
-            let pages = count(layer.num_pages, "page");
-            let hidden = if layer.visible { "" } else { ", hidden" };
-            writeln!(
-                f,
-                "layer    {} `{}`: {pages} of {page_size} x {page_size}, elsewhere {} m, opacity {}{hidden}",
-                layer.id, layer.name, layer.constant_m, layer.opacity
-            )?;
+            writeln!(f, "layer    {}", layer_line(layer, layers, *page_size))?;
         }
         let budget = match history.budget_in_bytes {
             Some(budget) => format!("of at most {}", HumanBytes(budget)),

@@ -108,6 +108,13 @@ fn summary(operation: &Value) -> String {
     if let Some(brush) = field("/brush/type").and_then(Value::as_str) {
         line.push_str(&format!(" {brush}"));
     }
+    if let Some(name) = field("/name").and_then(Value::as_str) {
+        line.push_str(&format!(" `{name}`"));
+    }
+    if let Some(content) = field("/content/type").and_then(Value::as_str) {
+        let brush = field("/content/brush/type").and_then(Value::as_str);
+        line.push_str(&brush.map_or_else(|| format!(", {content}"), |brush| format!(", {content} {brush}")));
+    }
     // A fill has no instances, and for all but one brush no radius.
     let is_stroke = field("/points").is_some();
     for (what, path, unit) in [

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use orogeny_field::{CloneBlend, Cloning, FieldId, Part, Placement, Plane, SampleRect};
 
-use super::{Graph, Step, Weights, pyramid};
+use super::{Filter, Graph, Step, Weights, pyramid};
 
 /// Samples of the shorter side of what is painted, on a pyramid's coarsest level.
 const COARSEST_SAMPLES: u32 = 8;
@@ -118,6 +118,19 @@ impl Laid<'_> {
             pyramid::add_blend(graph, mask, difference, num_levels(cloning, &rect, graph.extent()), factor);
         graph.add(Step::Combine { factors: [1.0, 1.0] }, &[ground, change])
     }
+}
+
+/// Blends a field into the ground of a terrain of `extent` samples band by band of their Laplacian pyramids, by a field of weights:
+/// a layer that is joined so to what is below it.
+#[must_use]
+pub fn blend_fields(extent: [u32; 2], heights: FieldId, weights: FieldId, num_levels: u32) -> Filter {
+    let mut graph = Graph::new(extent);
+    let source = graph.add(Step::Field(heights), &[]);
+    let mask = graph.add(Step::Field(weights), &[]);
+    let difference = graph.add(Step::Combine { factors: [1.0, -1.0] }, &[source, Graph::HEIGHTS]);
+    let change = pyramid::add_blend(&mut graph, mask, difference, num_levels, |_| 1.0);
+    graph.add(Step::Combine { factors: [1.0, 1.0] }, &[Graph::HEIGHTS, change]);
+    Filter { graph: Arc::new(graph), is_sequential: false }
 }
 
 /// How many levels below the finest a clone is blended in on, by what is painted; on none beyond the first that has the whole of

@@ -27,7 +27,7 @@ use crate::canvas::Canvas;
 use crate::gate::GatePlan;
 
 pub use blocks::{Block, blocks};
-pub use cloning::CloneGround;
+pub use cloning::{CloneGround, blend_fields};
 pub use graph::{Graph, Node};
 pub use region::{MAX_REGION_SAMPLES, RegionKernel, RegionRule};
 pub use step::{Axis, MAX_INPUTS, PipesPhase, Step, ThermalPhase};

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Operation;
 use crate::Target;
+use crate::operation::BrushOperation;
 
 /// How the brush is applied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -95,17 +96,21 @@ impl Sample {
             SampleKind::Stroke => curve(side_m),
             SampleKind::Dab => vec![PointerSample::at(0.5 * side_m, 0.5 * side_m)],
             SampleKind::Fill => {
-                return Operation::Fill {
-                    layer: None,
-                    target: Target::Heights,
-                    brush,
-                    seed: 1,
-                    region_m: None,
-                };
+                return fill(brush);
             }
         };
-        Operation::Stroke { layer: None, target: Target::Heights, stroke: Stroke { brush, seed: 1, points } }
+        stroke(brush, points)
     }
+}
+
+fn stroke(brush: Brush, points: Vec<PointerSample>) -> Operation {
+    let stroke = Stroke { brush, seed: 1, points };
+    Operation::Brush(BrushOperation::Stroke { layer: None, target: Target::Heights, stroke })
+}
+
+fn fill(brush: Brush) -> Operation {
+    let target = Target::Heights;
+    Operation::Brush(BrushOperation::Fill { layer: None, target, brush, seed: 1, region_m: None })
 }
 
 /// A gentle S.
@@ -129,8 +134,7 @@ pub(super) fn rough_hills(side_m: f64) -> Vec<Operation> {
     };
     let strength_m = (ROUGH_HEIGHT * side_m).min(0.1 * f64::from(MAX_HEIGHT_M));
     let brush = Brush { noise, ..Brush::new(BrushType::Noise, 1.0, strength_m) };
-    let crests = Operation::Fill { layer: None, target: Target::Heights, brush, seed: 1, region_m: None };
-    hills(side_m).into_iter().chain([crests]).collect()
+    hills(side_m).into_iter().chain([fill(brush)]).collect()
 }
 
 /// What makes hills of flat ground.
@@ -138,8 +142,7 @@ pub(super) fn hills(side_m: f64) -> Vec<Operation> {
     let hill = |([x, z], width, height): ([f64; 2], f64, f64)| {
         let strength_m = (height * side_m).min(0.1 * f64::from(MAX_HEIGHT_M));
         let brush = Brush::new(BrushType::Raise, width * side_m, strength_m);
-        let points = vec![PointerSample::at(x * side_m, z * side_m)];
-        Operation::Stroke { layer: None, target: Target::Heights, stroke: Stroke { brush, seed: 1, points } }
+        stroke(brush, vec![PointerSample::at(x * side_m, z * side_m)])
     };
     HILLS.into_iter().map(hill).collect()
 }

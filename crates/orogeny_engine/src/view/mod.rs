@@ -91,7 +91,7 @@ impl Terrain {
         let targets = Targets::new(&gpu, size_px)?;
         Ok(View {
             terrain: self,
-            source: CompositeSource::new(store),
+            source: CompositeSource::new(store, self.compositor()),
             gpu,
             renderer,
             targets,

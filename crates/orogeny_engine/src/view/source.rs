@@ -5,10 +5,10 @@ use std::collections::{BTreeSet, HashMap};
 
 use orogeny_field::{FieldId, HeightBounds, Page, PageKey, PageLayout};
 use orogeny_geomip::{PagePlace, PageSummaries, PageSummary};
-use orogeny_store::{FieldKind, Layer, Store};
+use orogeny_store::{FieldKind, Store};
 
-use crate::Result;
-use crate::composite::{Composite, Source, damage_notice};
+use crate::composite::{Composite, Compositor, Source, damage_notice, summary};
+use crate::{Error, Result};
 
 /// The name of the terrain's selection among masks.
 pub(super) const SELECTION: &str = "selection";
@@ -29,26 +29,21 @@ impl Mask {
 /// A store's composite.
 pub(super) struct CompositeSource<'a> {
     store: &'a Store,
-    layers: Vec<&'a Layer>,
+    compositor: &'a RefCell<Compositor>,
     /// What is shown over the ground, or asked for by materials.
     masks: Vec<Mask>,
     known: RefCell<HashMap<PagePlace, PageSummary>>,
     /// Damaged pages of which a coarser level is shown.
     damaged: RefCell<BTreeSet<PageKey>>,
     /// The first thing that could not be read of the directory.
-    failure: RefCell<Option<orogeny_store::Error>>,
-}
-
-fn key(layer: &Layer, PagePlace { level, z, x }: PagePlace) -> PageKey {
-    PageKey { field: layer.heights, level, z, x }
+    failure: RefCell<Option<Error>>,
 }
 
 impl<'a> CompositeSource<'a> {
-    pub(super) fn new(store: &'a Store) -> Self {
-        let layers = store.layers().iter().filter(|layer| layer.visible).collect();
+    pub(super) fn new(store: &'a Store, compositor: &'a RefCell<Compositor>) -> Self {
         Self {
             store,
-            layers,
+            compositor,
             masks: Vec::new(),
             known: RefCell::default(),
             damaged: RefCell::default(),
@@ -126,9 +121,15 @@ impl<'a> CompositeSource<'a> {
         let page_rect = layout.page_rect(&page_key);
         let rect = page_rect.intersection(&self.store.grid().bounds_at(place.level));
         let mut page = Page::constant(layout, 0.0);
-        let mut rows =
-            Composite::new(self.store, Source::Composite, place.level, rect, layout.size_in_bytes())
-                .show_damage();
+        let mut rows = Composite::new(
+            self.store,
+            self.compositor,
+            Source::Composite,
+            place.level,
+            rect,
+            layout.size_in_bytes(),
+        )
+        .show_damage();
         for z in 0..rect.depth() {
             if let Some(row) = page.row_mut(z, 0, rect.width()) {
                 rows.read_rows(row)?;
@@ -140,14 +141,14 @@ impl<'a> CompositeSource<'a> {
 
     fn surface(&self, key: &PageKey) -> Option<(HeightBounds, f32)> {
         self.store.page_surface(key).unwrap_or_else(|err| {
-            self.failure.borrow_mut().get_or_insert(err);
+            self.failure.borrow_mut().get_or_insert(err.into());
             None
         })
     }
 
     /// Whether all of the directory could be read so far.
     pub(super) fn check(&self) -> Result<()> {
-        self.failure.borrow_mut().take().map_or(Ok(()), |err| Err(err.into()))
+        self.failure.borrow_mut().take().map_or(Ok(()), Err)
     }
 
     /// What of the pictures so far could not be shown as it is.
@@ -155,23 +156,15 @@ impl<'a> CompositeSource<'a> {
         self.damaged.borrow().iter().map(damage_notice).collect()
     }
 
-    /// From the directory. What cannot be read of that counts as constant, and is told by [`Self::check`].
+    /// What cannot be read or worked out counts as constant, and is told by [`Self::check`].
     fn read_summary(&self, place: PagePlace) -> PageSummary {
-        let mut bounds = HeightBounds::of(0.0);
-        let (mut error_m, mut is_constant) = (0.0, true);
-        for (index, layer) in self.layers.iter().enumerate() {
-            let found = self.surface(&key(layer, place));
-            is_constant &= found.is_none();
-            let (of_layer, of_layer_error_m) = found.unwrap_or((HeightBounds::of(layer.constant_m), 0.0));
-            // As the composite is: the lowest as it is, the others each by their opacity.
-            let opacity = if index == 0 { 1.0 } else { layer.opacity };
-            bounds.min_m += opacity * of_layer.min_m;
-            bounds.max_m += opacity * of_layer.max_m;
-            error_m += opacity * of_layer_error_m;
-        }
+        let found = summary(self.store, &mut self.compositor.borrow_mut(), place);
+        let summary = found.unwrap_or_else(|err| {
+            self.failure.borrow_mut().get_or_insert(err);
+            PageSummary { bounds: HeightBounds::of(0.0), error_m: 0.0, is_constant: true }
+        });
         let is_masked = |mask: &Mask| mask.key(place).is_some_and(|key| self.surface(&key).is_some());
-        is_constant &= !self.masks.iter().any(is_masked);
-        PageSummary { bounds, error_m, is_constant }
+        PageSummary { is_constant: summary.is_constant && !self.masks.iter().any(is_masked), ..summary }
     }
 }
 

@@ -10,6 +10,7 @@ mod parse;
 mod profile;
 mod settings;
 
+pub(crate) use catalog::GATE;
 pub use catalog::{PARAMETERS, Parameter, ParameterKind};
 pub use cloning::{Alignment, CloneBlend, CloneSource, Cloning, LayerReference, MAX_PYRAMID_LEVELS};
 pub use gate::{AspectGate, Band, Gate, GateImage, NoiseGate};

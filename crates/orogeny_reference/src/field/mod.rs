@@ -6,6 +6,7 @@ pub mod between;
 pub mod channel;
 pub mod coarsen;
 pub mod combine;
+pub mod compose;
 pub mod convolve;
 pub mod cover;
 pub mod droplets;

@@ -307,9 +307,7 @@ impl Recording<'_> {
     /// # Errors
     /// As there.
     pub fn add_layer(&mut self, new: NewLayer) -> Result<Layer> {
-        let layer = self.with_transaction(move |transaction| transaction.add_layer(&new))?;
-        self.layers.push(layer.clone());
-        Ok(layer)
+        self.change_layers(move |transaction| transaction.add_layer(&new))
     }
 
     /// The layer with a mask, as [`Transaction::with_mask`], and waits for it.
@@ -318,11 +316,52 @@ impl Recording<'_> {
     /// As there.
     pub fn with_mask(&mut self, layer: &Layer) -> Result<Layer> {
         let layer = layer.clone();
-        let masked = self.with_transaction(move |transaction| transaction.with_mask(&layer))?;
-        if let Some(known) = self.layers.iter_mut().find(|known| known.id == masked.id) {
-            known.clone_from(&masked);
-        }
-        Ok(masked)
+        self.change_layers(move |transaction| transaction.with_mask(&layer))
+    }
+
+    /// Changes a layer, as [`Transaction::set_layer`], and waits for it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn set_layer(&mut self, layer: Layer) -> Result<()> {
+        self.change_layers(move |transaction| transaction.set_layer(&layer))
+    }
+
+    /// Takes a layer out of the stack, as [`Transaction::remove_layer`], and waits for it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn remove_layer(&mut self, id: u32) -> Result<Layer> {
+        self.change_layers(move |transaction| transaction.remove_layer(id))
+    }
+
+    /// Runs what changes layers, waits for it, and knows the layers as they are then.
+    fn change_layers<T: Send + 'static>(
+        &mut self,
+        work: impl FnOnce(&mut Transaction<'_>) -> Result<T> + Send + 'static,
+    ) -> Result<T> {
+        let (done, layers) = self.with_transaction(move |transaction| {
+            let done = work(transaction)?;
+            Ok((done, transaction.layers().to_vec()))
+        })?;
+        self.layers = layers;
+        Ok(done)
+    }
+
+    /// The pages that a field has at full resolution, with those that were handed over.
+    ///
+    /// # Errors
+    /// As [`Self::with_transaction`].
+    pub fn page_keys(&mut self, field: orogeny_field::FieldId) -> Result<Vec<PageKey>> {
+        self.with_transaction(move |transaction| transaction.page_keys(field))
+    }
+
+    /// The field of the terrain's selection, where there is one.
+    ///
+    /// # Errors
+    /// As [`Self::with_transaction`].
+    pub fn known_selection(&mut self) -> Result<Option<orogeny_field::FieldId>> {
+        self.with_transaction(|transaction| Ok(transaction.known_selection()))
     }
 
     /// The field of the terrain's selection, as [`Transaction::selection`], and waits for it.
@@ -376,10 +415,10 @@ impl Recording<'_> {
         self.recorder.send(Task::Commit { last_number: self.number })?;
         self.is_finished = true;
         self.recorder.last_entry = self.last_entry;
-        if self.layers.len() == self.recorder.on_disk()?.layers().len() {
+        if self.layers == self.recorder.on_disk()?.layers() {
             return Ok(());
         }
-        // Layers are rare: everyone sees a new one at once.
+        // Changes of layers are rare: everyone sees them at once.
         self.recorder.flush()
     }
 }

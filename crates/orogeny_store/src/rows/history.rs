@@ -258,6 +258,14 @@ impl Database {
         for change in self.layer_changes(entry)? {
             self.set_layer_change(base, &LayerChange { before: None, ..change })?;
         }
+        // Data that a layer is made of is needed as long as the layer is: its state names it.
+        self.statement(
+            "INSERT OR IGNORE INTO entry_blob (entry, blob)
+             SELECT ?2, blob FROM entry_blob JOIN blob ON blob.id = blob WHERE entry = ?1 AND EXISTS
+             (SELECT 1 FROM layer_change AS kept WHERE kept.entry = ?2 AND instr(kept.after, lower(hex(hash))) > 0)",
+        )
+        .and_then(|mut statement| statement.execute([entry.0, base.0]))
+        .map_err(|err| self.fault(err))?;
         Ok(())
     }
 

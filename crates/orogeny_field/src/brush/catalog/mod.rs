@@ -8,6 +8,7 @@ mod noise;
 mod stroke;
 
 pub use kind::{Parameter, ParameterKind};
+pub(crate) use stroke::GATE;
 
 use super::BrushType;
 

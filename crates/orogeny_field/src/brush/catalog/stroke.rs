@@ -250,7 +250,7 @@ macro_rules! gate {
     };
 }
 
-pub(super) const GATE: &[Parameter] =
+pub(crate) const GATE: &[Parameter] =
     gate!(parameter("noise", ParameterKind::Object { parameters: NOISE_GATE }, "a noise, normalised"));
 
 /// A gate without a noise: tables cannot hold themselves.

@@ -21,6 +21,16 @@ impl<'a> Fields<'a> {
         Self { brush_type, path: String::new(), parameters: None, object }
     }
 
+    /// Those of a gate alone, as a brush for masks has it.
+    pub(super) const fn of_gate(object: &'a Map<String, Value>) -> Self {
+        Self {
+            brush_type: BrushType::PaintMask,
+            path: String::new(),
+            parameters: Some(crate::brush::GATE),
+            object,
+        }
+    }
+
     pub(super) const fn brush_type(&self) -> BrushType {
         self.brush_type
     }

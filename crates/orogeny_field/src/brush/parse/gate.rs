@@ -9,6 +9,27 @@ use crate::Result;
 use crate::brush::{AspectGate, Band, Gate, GateImage, NoiseGate};
 use crate::noise::Seeding;
 
+impl Gate {
+    /// Reads a gate: `{"slope": {"min": 20, "max": 45, "feather": 5}, …}`, the product of all that it names.
+    ///
+    /// # Errors
+    /// As [`crate::Brush::from_json`], naming the field.
+    pub fn from_json(object: &Map<String, Value>) -> Result<Self> {
+        let fields = Fields::of_gate(object);
+        fields.refuse_unknown()?;
+        read(&fields)
+    }
+
+    /// Writes all that it names.
+    #[must_use]
+    pub fn to_json(&self) -> Map<String, Value> {
+        match write(self) {
+            Value::Object(object) => object,
+            _ => Map::new(),
+        }
+    }
+}
+
 pub(super) fn read(fields: &Fields<'_>) -> Result<Gate> {
     let named = |name: &'static str| -> Result<Option<Band>> {
         fields.object(name)?.map(|fields| band(&fields)).transpose()

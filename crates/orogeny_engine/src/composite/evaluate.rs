@@ -1,0 +1,445 @@
+//! The stack worked out: layers joined from the bottom, over the rectangle of a level that is looked at.
+
+use std::sync::Arc;
+
+use orogeny_brush::Executor;
+use orogeny_field::{
+    Blend, FieldId, MAX_SPACING_M, Page, PageKey, PageLayout, Plane, SampleRect, TerrainGrid, rect_above,
+};
+use orogeny_reference::field::compose;
+use orogeny_store::Layer;
+use rayon::prelude::*;
+
+use super::cache::{Cache, CacheKey, Kind, meet};
+use super::content::{cropped, cut, paste, stored};
+use super::live::{self, BELOW, GROUND, HEIGHTS, WEIGHTS};
+use super::node::{Content, Node, nodes};
+use super::weights::{self, weights};
+use super::{FieldPages, Live};
+use crate::Result;
+use crate::access::Shares;
+use crate::backend::{self, Settings};
+
+/// Pages that are worked out at once where a barrier lacks them: their halo is looked at once.
+const BLOCK_PAGES: u32 = 8;
+
+/// Where and how the stack is looked at.
+pub(crate) struct Look<'a> {
+    /// The terrain at full resolution.
+    pub(crate) terrain: TerrainGrid,
+    /// Its samples at the level.
+    pub(crate) grid: TerrainGrid,
+    pub(crate) layout: PageLayout,
+    pub(crate) level: u8,
+    /// What is stored.
+    pub(crate) pages: &'a mut dyn FieldPages,
+}
+
+impl<'a> Look<'a> {
+    /// At a level of a terrain.
+    pub(crate) fn new(terrain: TerrainGrid, level: u8, pages: &'a mut dyn FieldPages) -> Result<Self> {
+        let bounds = terrain.bounds_at(level);
+        let spacing_m = terrain.spacing_m() * f64::from(1_u32 << level.min(31));
+        let grid =
+            TerrainGrid::new(bounds.width().into(), bounds.depth().into(), spacing_m.min(MAX_SPACING_M))?;
+        Ok(Self { terrain, grid, layout: pages.layout(), level, pages })
+    }
+}
+
+/// Works out the stack, and keeps what took long.
+pub(crate) struct Compositor {
+    settings: Settings,
+    /// The layers that `nodes` were made of.
+    layers: Vec<Layer>,
+    nodes: Arc<Vec<Node>>,
+    cache: Cache,
+    /// The commit that the cache shows, where the file is only read.
+    sequence: Option<u64>,
+    /// Made when the first brush is to be worked out.
+    executor: Option<Box<dyn Executor>>,
+}
+
+impl std::fmt::Debug for Compositor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Compositor").field("layers", &self.layers).finish_non_exhaustive()
+    }
+}
+
+impl Compositor {
+    pub(crate) fn new(settings: &Settings) -> Self {
+        let shares = Shares::of(settings.page_budget_in_bytes);
+        Self {
+            settings: settings.clone(),
+            layers: Vec::new(),
+            nodes: Arc::default(),
+            cache: Cache::new(shares.composite_in_bytes),
+            sequence: None,
+            executor: None,
+        }
+    }
+
+    /// The visible layers, as they count. What is kept of those that changed, and of all above them, is dropped.
+    pub(crate) fn nodes(&mut self, layers: &[Layer], pages: &mut dyn FieldPages) -> Result<Arc<Vec<Node>>> {
+        if self.layers != layers {
+            let new = nodes(layers, pages)?;
+            let num_same = new.iter().zip(self.nodes.iter()).take_while(|(a, b)| a.is_same(b)).count();
+            let same: Vec<u32> = new.iter().take(num_same).map(|node| node.id).collect();
+            let is_same = |layer: u32, old: &[Node]| {
+                let find = |nodes: &[Node]| nodes.iter().position(|node| node.id == layer);
+                let (Some(a), Some(b)) = (find(&new), find(old)) else { return false };
+                new.get(a).zip(old.get(b)).is_some_and(|(a, b)| a.is_same(b))
+            };
+            let old = Arc::clone(&self.nodes);
+            self.cache.drop_where(|key| match key.kind {
+                Kind::Result => !same.contains(&key.layer),
+                Kind::Content => !is_same(key.layer, &old),
+            });
+            self.nodes = Arc::new(new);
+            self.layers = layers.to_vec();
+        }
+        Ok(Arc::clone(&self.nodes))
+    }
+
+    /// Another program may have changed the file since it was last looked at.
+    pub(crate) fn at_commit(&mut self, sequence: u64) {
+        if self.sequence.replace(sequence) != Some(sequence) {
+            self.cache.drop_where(|key| key.kind == Kind::Result);
+        }
+    }
+
+    /// Nothing that is kept can be trusted.
+    pub(crate) fn forget_all(&mut self) {
+        self.cache.drop_where(|_| true);
+    }
+
+    /// Pages of full resolution were changed: what was worked out of them, at any level, is dropped.
+    pub(crate) fn forget(&mut self, terrain: &TerrainGrid, layout: PageLayout, keys: &[PageKey]) {
+        if self.nodes.iter().all(|node| !node.is_barrier()) {
+            return;
+        }
+        let top = layout.top_level(terrain);
+        // For each level what changed of what is below the node.
+        let mut changed = vec![SampleRect::EMPTY; usize::from(top) + 1];
+        for node in Arc::clone(&self.nodes).iter() {
+            for (field, transform) in node.fields().map(|stored| (stored.field, stored.transform)) {
+                let mut rect = rect_of(layout, keys, field);
+                for (level, changed) in (0..).zip(&mut changed) {
+                    if rect.is_empty() {
+                        break;
+                    }
+                    let spacing_m = terrain.spacing_m() * f64::from(1_u32 << level);
+                    let here = if transform.is_identity() {
+                        rect
+                    } else {
+                        // The content may be looked at on coarser levels, whose samples reach further.
+                        let reach = 4.0 * transform.placement(spacing_m).samples_between().max(1.0);
+                        let placement = transform.placement(spacing_m);
+                        placement.terrain_rect(&rect.grown(reach.ceil() as i32))
+                    };
+                    *changed = changed.bounds_with(&here);
+                    rect = rect_above(&rect);
+                }
+            }
+            if node.looks_at_selection()
+                && keys.iter().any(|key| !node.fields().any(|stored| stored.field == key.field))
+            {
+                // Which field the selection is does not stand in the node; it is looked at where it lies.
+                let mut rect =
+                    keys.iter().fold(SampleRect::EMPTY, |rect, key| rect.bounds_with(&layout.page_rect(key)));
+                for changed in &mut changed {
+                    *changed = changed.bounds_with(&rect);
+                    rect = rect_above(&rect);
+                }
+            }
+            if !node.is_barrier() {
+                continue;
+            }
+            let halos = self.halos(node, terrain, layout, top);
+            for (changed, halo) in changed.iter_mut().zip(halos) {
+                if !changed.is_empty() {
+                    *changed = changed.grown(halo);
+                }
+            }
+            let is_stale = |key: &CacheKey| {
+                let page = PageKey { field: FieldId(0), level: key.level, z: key.z, x: key.x };
+                let changed = changed.get(usize::from(key.level));
+                key.layer == node.id
+                    && key.kind == Kind::Result
+                    && changed.is_some_and(|changed| meet(changed, &layout.page_rect(&page)))
+            };
+            self.cache.drop_where(is_stale);
+        }
+    }
+
+    /// How far a node looks around, at each level.
+    fn halos(&self, node: &Node, terrain: &TerrainGrid, layout: PageLayout, top: u8) -> Vec<i32> {
+        let mut none = NoPages(layout);
+        let mut halo_at = |level| -> Result<i32> {
+            let look = &mut Look::new(*terrain, level, &mut none)?;
+            halo(look, node)
+        };
+        // What cannot be planned was never worked out; all of it would go.
+        (0..=top).map(|level| halo_at(level).unwrap_or(1 << 20)).collect()
+    }
+
+    /// What keeping pages and working out brushes takes, in bytes.
+    pub(crate) fn memory_in_bytes(&self) -> u64 {
+        let executor = self.executor.as_ref().map(|executor| executor.memory());
+        self.cache.size_in_bytes() + executor.map_or(0, |memory| memory.host_in_bytes)
+    }
+
+    /// What the lowest `num_nodes` layers come to in a rectangle, which lies within the terrain.
+    pub(crate) fn heights(&mut self, look: &mut Look<'_>, nodes: &[Node], rect: SampleRect) -> Result<Plane> {
+        let num_above = nodes.iter().rev().take_while(|node| !node.is_barrier()).count();
+        let (below, above) = nodes.split_at(nodes.len() - num_above);
+        let mut plane = match below.split_last() {
+            None => Plane::constant(rect, 0.0),
+            Some((barrier, below)) => self.barrier(look, below, barrier, rect)?,
+        };
+        for node in above {
+            let heights = self.content(look, node, rect)?;
+            self.join(look, node, &mut plane, &heights, None)?;
+        }
+        Ok(plane)
+    }
+
+    /// What a layer alone is made of, in a rectangle; of an effect what it makes of what is below.
+    pub(crate) fn layer_heights(
+        &mut self,
+        look: &mut Look<'_>,
+        below: &[Node],
+        node: &Node,
+        rect: SampleRect,
+    ) -> Result<Plane> {
+        match &node.content {
+            Content::Heights(heights) | Content::Kept(heights) => stored(look, heights, rect),
+            Content::Procedural(live) | Content::Effect(live) => {
+                let wide = live::plan(look, live, rect)?.map_or(rect, |planned| planned.needs);
+                let below = self.heights(look, below, wide)?;
+                self.made(look, node, live, &below, rect)
+            }
+        }
+    }
+
+    /// How much a layer counts in a rectangle: its opacity times its masks.
+    pub(crate) fn layer_weights(
+        &mut self,
+        look: &mut Look<'_>,
+        below: &[Node],
+        node: &Node,
+        rect: SampleRect,
+    ) -> Result<Plane> {
+        let needs = weights::needs(look, node, rect)?;
+        let below = if needs.is_empty() { None } else { Some(self.heights(look, below, needs)?) };
+        weights(look, self.executor(look.layout)?, node, below.as_ref(), rect)
+    }
+
+    /// What the stack comes to with a barrier, whose pages are kept.
+    fn barrier(
+        &mut self,
+        look: &mut Look<'_>,
+        below: &[Node],
+        node: &Node,
+        rect: SampleRect,
+    ) -> Result<Plane> {
+        self.kept(look, node, Kind::Result, rect, |this, look, rect| {
+            let inner = match node.blend {
+                Blend::Laplacian => live::plan_blend(look, rect).needs,
+                _ => rect,
+            };
+            let by_weights = weights::needs(look, node, inner)?;
+            let by_heights = content_needs(look, node, inner)?;
+            let plane = this.heights(look, below, inner.bounds_with(&by_weights).bounds_with(&by_heights))?;
+            let heights = match &node.content {
+                Content::Heights(_) | Content::Kept(_) => this.content(look, node, inner)?,
+                Content::Procedural(live) | Content::Effect(live) => {
+                    this.made(look, node, live, &plane, inner)?
+                }
+            };
+            if node.blend == Blend::Laplacian {
+                let weights = weights(look, this.executor(look.layout)?, node, Some(&plane), inner)?;
+                let planned = live::plan_blend(look, rect);
+                let planes = vec![(GROUND, &plane), (HEIGHTS, &heights), (WEIGHTS, &weights)];
+                let mut joined = live::run(look, this.executor(look.layout)?, planned, planes, rect)?;
+                joined.samples_mut().iter_mut().for_each(|height| {
+                    *height = orogeny_field::sanitized_height(*height);
+                });
+                return Ok(joined);
+            }
+            let mut joined = plane;
+            let below = joined.clone();
+            joined = cropped(joined, rect);
+            this.join(look, node, &mut joined, &heights, Some(&below))?;
+            Ok(joined)
+        })
+    }
+
+    /// Joins a layer to what is below it, of which more may be known than the rectangle.
+    fn join(
+        &mut self,
+        look: &mut Look<'_>,
+        node: &Node,
+        plane: &mut Plane,
+        heights: &Plane,
+        below: Option<&Plane>,
+    ) -> Result<()> {
+        let rect = plane.rect();
+        let width = rect.width().max(1) as usize;
+        let rows = |plane: &'_ mut Plane, weights: &[f32]| {
+            let rows = plane.samples_mut().par_chunks_mut(width).zip(heights.samples().par_chunks(width));
+            if weights.len() == width {
+                rows.for_each(|(below, heights)| compose::row(below, heights, weights, node.blend));
+            } else {
+                rows.zip(weights.par_chunks(width)).for_each(|((below, heights), weights)| {
+                    compose::row(below, heights, weights, node.blend);
+                });
+            }
+        };
+        if node.is_unmasked() {
+            rows(plane, &vec![node.opacity; width]);
+        } else {
+            let weights = weights(look, self.executor(look.layout)?, node, below, rect)?;
+            rows(plane, weights.samples());
+        }
+        Ok(())
+    }
+
+    /// What a layer is made of that does not look at what is below it.
+    fn content(&mut self, look: &mut Look<'_>, node: &Node, rect: SampleRect) -> Result<Plane> {
+        match &node.content {
+            Content::Heights(heights) | Content::Kept(heights) => stored(look, heights, rect),
+            Content::Procedural(live) | Content::Effect(live) => {
+                self.kept(look, node, Kind::Content, rect, |this, look, rect| {
+                    let flat = Plane::constant(rect, 0.0);
+                    this.made(look, node, live, &flat, rect)
+                })
+            }
+        }
+    }
+
+    /// What a layer's brush makes in a rectangle, with what is below it as far as it looks.
+    fn made(
+        &mut self,
+        look: &mut Look<'_>,
+        node: &Node,
+        live: &Live,
+        below: &Plane,
+        rect: SampleRect,
+    ) -> Result<Plane> {
+        let is_effect = matches!(node.content, Content::Effect(_));
+        let Some(planned) = live::plan(look, live, rect)? else {
+            return Ok(if is_effect { cropped(below.clone(), rect) } else { Plane::constant(rect, 0.0) });
+        };
+        let flat;
+        let ground = if is_effect {
+            below
+        } else {
+            flat = Plane::constant(planned.needs, 0.0);
+            &flat
+        };
+        let planes = vec![(GROUND, ground), (BELOW, below)];
+        live::run(look, self.executor(look.layout)?, planned, planes, rect)
+    }
+
+    /// A rectangle of pages that are kept; those that are missing are worked out in blocks.
+    fn kept(
+        &mut self,
+        look: &mut Look<'_>,
+        node: &Node,
+        kind: Kind,
+        rect: SampleRect,
+        mut work_out: impl FnMut(&mut Self, &mut Look<'_>, SampleRect) -> Result<Plane>,
+    ) -> Result<Plane> {
+        let layout = look.layout;
+        let bounds = look.grid.bounds();
+        let mut plane = Plane::constant(rect, 0.0);
+        let page_rect =
+            |level: u8, x: u32, z: u32| layout.page_rect(&PageKey { field: FieldId(0), level, z, x });
+        let mut missing: Vec<(u32, u32)> = Vec::new();
+        for (x, z) in layout.pages_in(rect) {
+            let key = CacheKey { layer: node.id, kind, level: look.level, z, x };
+            match self.cache.get(&key) {
+                Some(page) => paste(&page, page_rect(look.level, x, z), &rect, &mut plane),
+                None => missing.push((x, z)),
+            }
+        }
+        while let Some((first_x, first_z)) = missing.first().copied() {
+            // A block of pages side by side, as far as they are missing.
+            let in_block = |(x, z): &(u32, u32)| {
+                x.wrapping_sub(first_x) < BLOCK_PAGES && z.wrapping_sub(first_z) < BLOCK_PAGES
+            };
+            let (block, rest): (Vec<_>, Vec<_>) = missing.into_iter().partition(in_block);
+            missing = rest;
+            let whole = block
+                .iter()
+                .fold(SampleRect::EMPTY, |whole, (x, z)| whole.bounds_with(&page_rect(look.level, *x, *z)));
+            let whole = whole.intersection(&bounds);
+            let made = work_out(self, look, whole)?;
+            for (x, z) in layout.pages_in(whole) {
+                let of_page = page_rect(look.level, x, z);
+                let page = Arc::new(cut(&made, layout, of_page));
+                paste(&page, of_page, &rect, &mut plane);
+                self.cache.put(CacheKey { layer: node.id, kind, level: look.level, z, x }, page);
+            }
+        }
+        Ok(plane)
+    }
+
+    fn executor(&mut self, layout: PageLayout) -> Result<&mut dyn Executor> {
+        let executor = match &mut self.executor {
+            Some(executor) => executor,
+            none => none.insert(backend::composite_executor(&self.settings, layout)?),
+        };
+        Ok(executor.as_mut())
+    }
+}
+
+/// The samples of what is below that what a layer is made of looks at.
+fn content_needs(look: &mut Look<'_>, node: &Node, rect: SampleRect) -> Result<SampleRect> {
+    match &node.content {
+        Content::Procedural(live) | Content::Effect(live) => {
+            Ok(live::plan(look, live, rect)?.map_or(rect, |planned| planned.needs))
+        }
+        Content::Heights(_) | Content::Kept(_) => Ok(rect),
+    }
+}
+
+/// How far around a rectangle a node looks at what is below it, wherever that is, at most.
+fn halo(look: &mut Look<'_>, node: &Node) -> Result<i32> {
+    let one = SampleRect::new(0, 0, 1, 1);
+    let blend = if node.blend == Blend::Laplacian { live::plan_blend(look, one).halo() } else { 0 };
+    let content = match &node.content {
+        Content::Procedural(live) | Content::Effect(live) => {
+            live::plan(look, live, one)?.map_or(0, |planned| planned.halo())
+        }
+        Content::Heights(_) | Content::Kept(_) => 0,
+    };
+    Ok(blend + content.max(weights::halo(look, node)?))
+}
+
+/// What of a field was changed, at full resolution.
+fn rect_of(layout: PageLayout, keys: &[PageKey], field: FieldId) -> SampleRect {
+    let of_field = keys.iter().filter(|key| key.field == field);
+    of_field.fold(SampleRect::EMPTY, |rect, key| rect.bounds_with(&layout.page_rect(key)))
+}
+
+/// For planning alone, which looks at no page.
+struct NoPages(PageLayout);
+
+impl FieldPages for NoPages {
+    fn layout(&self) -> PageLayout {
+        self.0
+    }
+
+    fn selection(&mut self) -> Result<Option<FieldId>> {
+        Ok(None)
+    }
+
+    fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
+        Ok(vec![None; keys.len()])
+    }
+
+    fn blob(&mut self, hash: orogeny_store::BlobHash) -> Result<Vec<u8>> {
+        Err(orogeny_store::Error::UnknownBlob { hash: hash.to_string() }.into())
+    }
+}

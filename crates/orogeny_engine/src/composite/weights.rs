@@ -1,0 +1,143 @@
+//! How much a layer counts where: its opacity times its masks.
+
+use orogeny_brush::{Executor, GatePlan};
+use orogeny_field::{Plane, SampleRect};
+use orogeny_reference::field::compose;
+use rayon::prelude::*;
+
+use super::Look;
+use super::content::{cropped, paste, stored};
+use super::live::{self, BELOW, GROUND, PlanePages, Planned};
+use super::node::{Mask, Node, Term, TermSource};
+use crate::Result;
+
+/// The samples of what is below that a node's weights within a rectangle look at; none where they do not.
+pub(super) fn needs(look: &mut Look<'_>, node: &Node, rect: SampleRect) -> Result<SampleRect> {
+    let mut needs = SampleRect::EMPTY;
+    for term in node.masks.iter().flat_map(|mask| &mask.terms) {
+        if looks_below(term) {
+            let blurred = blur(look, term, rect)?.map_or(rect, |blur| blur.needs);
+            needs = needs.bounds_with(&blurred.grown(1));
+        }
+    }
+    Ok(needs.intersection(&look.grid.bounds()))
+}
+
+/// How far around a rectangle a node's weights look at what is below, wherever that is, at most.
+pub(super) fn halo(look: &mut Look<'_>, node: &Node) -> Result<i32> {
+    let mut halo = 0;
+    for term in node.masks.iter().flat_map(|mask| &mask.terms) {
+        let blur = blur(look, term, SampleRect::new(0, 0, 1, 1))?;
+        halo = halo.max(1 + blur.map_or(0, |blur| blur.halo()));
+    }
+    Ok(halo)
+}
+
+fn looks_below(term: &Term) -> bool {
+    matches!(&term.source, TermSource::Gate { gate, .. } if gate.needs_heights())
+}
+
+fn blur(look: &mut Look<'_>, term: &Term, rect: SampleRect) -> Result<Option<Planned>> {
+    if term.blur_m > 0.0 { live::plan_blur(look, term.blur_m, rect) } else { Ok(None) }
+}
+
+/// A node's weights within a rectangle, over what is below it, which has what [`needs`] says.
+pub(super) fn weights(
+    look: &mut Look<'_>,
+    executor: &mut dyn Executor,
+    node: &Node,
+    below: Option<&Plane>,
+    rect: SampleRect,
+) -> Result<Plane> {
+    let mut weights: Option<Plane> = None;
+    for mask in &node.masks {
+        let mask = work_out(look, executor, mask, below, rect)?;
+        weights = Some(match weights {
+            None => mask,
+            Some(mut weights) => {
+                for_each_row(&mut weights, &mask, |weights, mask| {
+                    compose::combine_row(weights, mask, orogeny_field::MaskCombine::Multiply);
+                });
+                weights
+            }
+        });
+    }
+    let mut weights = weights.unwrap_or_else(|| Plane::constant(rect, 1.0));
+    if node.opacity != 1.0 {
+        weights.samples_mut().par_iter_mut().with_min_len(1 << 14).for_each(|weight| *weight *= node.opacity);
+    }
+    Ok(weights)
+}
+
+fn work_out(
+    look: &mut Look<'_>,
+    executor: &mut dyn Executor,
+    mask: &Mask,
+    below: Option<&Plane>,
+    rect: SampleRect,
+) -> Result<Plane> {
+    let mut plane = match &mask.painted {
+        Some(painted) => stored(look, painted, rect)?,
+        None => Plane::constant(rect, 1.0),
+    };
+    for term in &mask.terms {
+        let mut values = source(look, executor, term, below, rect)?;
+        values.samples_mut().par_chunks_mut(rect.width().max(1) as usize).for_each(|row| {
+            compose::shape_row(row, term.is_inverted, term.curve.as_deref());
+        });
+        for_each_row(&mut plane, &values, |mask, values| compose::combine_row(mask, values, term.combine));
+    }
+    Ok(plane)
+}
+
+/// What a term is worked out from, blurred.
+fn source(
+    look: &mut Look<'_>,
+    executor: &mut dyn Executor,
+    term: &Term,
+    below: Option<&Plane>,
+    rect: SampleRect,
+) -> Result<Plane> {
+    let blur = blur(look, term, rect)?;
+    let wide = blur.as_ref().map_or(rect, |blur| blur.needs);
+    let values = match &term.source {
+        TermSource::Heights { heights, low, high } => {
+            let mut values = stored(look, heights, wide)?;
+            compose::range_row(values.samples_mut(), *low, *high);
+            values
+        }
+        TermSource::Mask(None) => Plane::constant(wide, 1.0),
+        TermSource::Mask(Some(mask)) => stored(look, mask, wide)?,
+        TermSource::Gate { gate, image } => {
+            let selection = look.pages.selection()?.unwrap_or(orogeny_field::FieldId(u32::MAX));
+            let plan = GatePlan::new(gate, look.grid, BELOW, selection, image.clone());
+            let plan = match plan {
+                // A noise that is too fine to be seen at this level is its mean: nothing.
+                Err(orogeny_brush::Error::Field(orogeny_field::Error::FeatureSize { .. }))
+                    if look.level > 0 =>
+                {
+                    return Ok(Plane::constant(rect, if gate.is_inverted { 1.0 } else { 0.0 }));
+                }
+                plan => plan?,
+            };
+            let planes = below.map(|below| (BELOW, below)).into_iter().collect();
+            let mut pages = PlanePages::new(look, planes);
+            let mut values = Plane::constant(wide, 0.0);
+            for (page_rect, page) in plan.pages(&wide, &mut pages)? {
+                paste(&page, page_rect, &wide, &mut values);
+            }
+            values
+        }
+    };
+    match blur {
+        Some(blur) => live::run(look, executor, blur, vec![(GROUND, &values)], rect),
+        None => Ok(cropped(values, rect)),
+    }
+}
+
+/// Changes a plane by another of the same rectangle, row by row.
+fn for_each_row(plane: &mut Plane, by: &Plane, change: impl Fn(&mut [f32], &[f32]) + Sync) {
+    let width = plane.rect().width().max(1) as usize;
+    let rows = plane.samples_mut().par_chunks_mut(width).zip(by.samples().par_chunks(width));
+    rows.for_each(|(row, by)| change(row, by));
+}
