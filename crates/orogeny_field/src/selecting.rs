@@ -95,6 +95,15 @@ impl Selecting {
 
     /// The layer that it names.
     #[must_use]
+    pub const fn layer(&self) -> Option<&LayerReference> {
+        match &self.shape {
+            SelectShape::Mask { layer, .. } => Some(layer),
+            _ => None,
+        }
+    }
+
+    /// The layer that it names, to be changed.
+    #[must_use]
     pub const fn layer_mut(&mut self) -> Option<&mut LayerReference> {
         match &mut self.shape {
             SelectShape::Mask { layer, .. } => Some(layer),
@@ -102,7 +111,7 @@ impl Selecting {
         }
     }
 
-    /// The gate that it has.
+    /// The gate that it has, to be changed.
     #[must_use]
     pub fn gate_mut(&mut self) -> Option<&mut Gate> {
         match &mut self.shape {

@@ -435,6 +435,10 @@ impl FieldPages for NoPages {
         Ok(None)
     }
 
+    fn page_keys(&mut self, _field: FieldId) -> Result<Vec<PageKey>> {
+        Ok(Vec::new())
+    }
+
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
         Ok(vec![None; keys.len()])
     }

@@ -15,6 +15,9 @@ pub(crate) trait FieldPages {
     /// The field of the terrain's selection, where there is one.
     fn selection(&mut self) -> Result<Option<FieldId>>;
 
+    /// The pages that a field has at full resolution.
+    fn page_keys(&mut self, field: FieldId) -> Result<Vec<PageKey>>;
+
     /// Pages, each `None` where the field holds its constant.
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>>;
 
@@ -52,6 +55,10 @@ impl FieldPages for StorePages<'_> {
         Ok(fields.find(|(_, field)| field.kind == FieldKind::Selection).map(|(id, _)| *id))
     }
 
+    fn page_keys(&mut self, field: FieldId) -> Result<Vec<PageKey>> {
+        Ok(self.store.page_keys_in(field, 0, &self.store.grid().bounds())?)
+    }
+
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
         let mut pages = Vec::with_capacity(keys.len());
         for (key, page) in keys.iter().zip(self.store.load_pages(keys)?) {
@@ -78,12 +85,18 @@ impl FieldPages for StorePages<'_> {
 pub(crate) struct RecordingPages<'a, 'recorder> {
     recording: &'a mut Recording<'recorder>,
     layout: PageLayout,
+    is_before: bool,
 }
 
 impl<'a, 'recorder> RecordingPages<'a, 'recorder> {
     pub(crate) fn new(recording: &'a mut Recording<'recorder>) -> Result<Self> {
         let layout = recording.layout()?;
-        Ok(Self { recording, layout })
+        Ok(Self { recording, layout, is_before: false })
+    }
+
+    /// As it was before the operation instead.
+    pub(crate) fn before(recording: &'a mut Recording<'recorder>) -> Result<Self> {
+        Ok(Self { is_before: true, ..Self::new(recording)? })
     }
 }
 
@@ -96,8 +109,16 @@ impl FieldPages for RecordingPages<'_, '_> {
         Ok(self.recording.known_selection()?)
     }
 
+    fn page_keys(&mut self, field: FieldId) -> Result<Vec<PageKey>> {
+        Ok(self.recording.page_keys(field)?)
+    }
+
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
-        keys.iter().map(|key| Ok(self.recording.load_page(key)?)).collect()
+        let mut load = |key| match self.is_before {
+            true => self.recording.load_page_before(key),
+            false => self.recording.load_page(key),
+        };
+        keys.iter().map(|key| Ok(load(key)?)).collect()
     }
 
     fn blob(&mut self, hash: BlobHash) -> Result<Vec<u8>> {

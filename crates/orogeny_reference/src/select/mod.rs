@@ -8,6 +8,7 @@
 //!
 //! Nothing here knows of a border: whoever calls it gives the samples beyond, and gets back a plane that is smaller by as many.
 
+pub mod combine;
 pub mod feather;
 pub mod grow;
 pub mod lasso;
