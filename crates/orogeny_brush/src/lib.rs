@@ -46,4 +46,5 @@ pub use planner::{StrokePlanner, plan_fill};
 pub use resolved::resolved;
 pub use sampler::{Pen, PlacedSample, StrokeSampler};
 pub use spacing::Spacing;
+pub use spill::Spill;
 pub use tiles::Tile;

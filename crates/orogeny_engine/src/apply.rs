@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, StrokePlanner, plan_fill, resolved};
-use orogeny_field::{Brush, BrushType, LayerContent, PageLayout, Stroke, TerrainGrid};
+use orogeny_field::{Brush, BrushType, LayerContent, LayerReference, PageLayout, Stroke, TerrainGrid};
 use orogeny_pages::PageStore as _;
 use orogeny_store::{EntryId, Layer, Recording};
 
@@ -14,6 +14,7 @@ use crate::operation::{BrushOperation, LayerOperation};
 use crate::pages::RecordedPages;
 use crate::progress::report;
 use crate::resources;
+use crate::seen::{SEEN, Seen, keeps_difference, works_on_heights};
 use crate::terrain::{Parts, find_layer};
 use crate::{Error, Observer, Operation, Result, Target, Terrain};
 
@@ -184,19 +185,33 @@ fn apply_brush(
     let layer = find_layer(recording.layers(), operation.layer())?.clone();
     check_paintable(operation, recording.layers(), &layer)?;
     let (mut brush, mut resources) = resources::load(operation.brush(), recording)?;
-    resources.clone_ground = clone_source::load(operation, &mut brush, &layer, &site.grid, recording)?;
+    let mut canvas = canvas(operation, &layer, site, recording)?;
+    // The layer may have got a mask.
+    let layer = find_layer(recording.layers(), Some(&LayerReference::Id(layer.id)))?.clone();
+    let Site { grid, layout, executor, observer, compositor, .. } = site;
+    let seen = match operation.target() {
+        // Its own heights are asked for.
+        Target::Heights => None,
+        target => Seen::of(&layer, target == Target::Selection, *grid, compositor, recording)?,
+    };
+    if seen.is_some() {
+        canvas.heights = SEEN;
+        let brush_type = operation.brush().brush_type;
+        if operation.target() == Target::Seen && works_on_heights(brush_type) && keeps_difference(&layer) {
+            canvas.field = SEEN;
+        }
+    }
+    resources.clone_ground = clone_source::load(operation, &mut brush, canvas.field, grid, recording)?;
     let operation = &operation.clone().with_brush(resolved(&brush));
-    let canvas = canvas(operation, &layer, site, recording)?;
-    let mut pages = RecordedPages::new(recording, site.layout);
-    let Site { executor, observer, .. } = site;
+    let mut pages = RecordedPages::new(recording, *layout).with_seen(seen);
     let result = match operation {
         BrushOperation::Stroke { stroke, .. } => {
             run_stroke(stroke, canvas, resources, *executor, &mut pages, *observer)
         }
         BrushOperation::Fill { brush, seed, region_m, .. } => {
             let region = match region_m {
-                Some(region_m) => site.grid.samples_in_region(*region_m)?,
-                None => site.grid.bounds(),
+                Some(region_m) => grid.samples_in_region(*region_m)?,
+                None => grid.bounds(),
             };
             let batch = plan_fill(brush, *seed, canvas, resources, region, &mut pages)?;
             let total = batch.pages.len() as u64;
@@ -204,8 +219,13 @@ fn apply_brush(
         }
     };
     let result = result.and_then(|()| Ok(executor.finish(&mut pages)?));
-    let saved = pages.into_saved();
+    let (saved, asked_for) = pages.into_saved();
     let (num_pages, notices) = (saved.len(), result?);
+    executor.forget(&asked_for);
+    // What it has of the layer itself was changed beside it.
+    if canvas.field == SEEN {
+        executor.forget(&saved);
+    }
     site.compositor.forget(&site.grid, site.layout, &saved);
     let entry = recording.record(operation.to_recorded_json(layer.id)?, site.author)?;
     Ok(Applied {
@@ -291,11 +311,11 @@ fn canvas(
     };
     let selection = selection.unwrap_or(heights.selection);
     let field = match operation.target() {
-        Target::Heights => layer.heights,
+        Target::Seen | Target::Heights => layer.heights,
         Target::Mask => recording.with_mask(layer)?.mask.unwrap_or(layer.heights),
         Target::Selection => selection,
     };
-    Ok(Canvas { field, is_mask: operation.target() != Target::Heights, selection, ..heights })
+    Ok(Canvas { field, is_mask: !operation.target().is_heights(), selection, ..heights })
 }
 
 fn run_stroke(

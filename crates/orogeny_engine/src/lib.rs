@@ -46,6 +46,7 @@ mod progress;
 mod relief;
 mod replay;
 mod resources;
+mod seen;
 mod terrain;
 mod view;
 mod whole_file;

@@ -78,12 +78,18 @@ impl FieldPages for StorePages<'_> {
 pub(crate) struct RecordingPages<'a, 'recorder> {
     recording: &'a mut Recording<'recorder>,
     layout: PageLayout,
+    is_before: bool,
 }
 
 impl<'a, 'recorder> RecordingPages<'a, 'recorder> {
     pub(crate) fn new(recording: &'a mut Recording<'recorder>) -> Result<Self> {
         let layout = recording.layout()?;
-        Ok(Self { recording, layout })
+        Ok(Self { recording, layout, is_before: false })
+    }
+
+    /// Pages as they were before the running operation.
+    pub(crate) fn before(recording: &'a mut Recording<'recorder>) -> Result<Self> {
+        Ok(Self { is_before: true, ..Self::new(recording)? })
     }
 }
 
@@ -97,7 +103,11 @@ impl FieldPages for RecordingPages<'_, '_> {
     }
 
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
-        keys.iter().map(|key| Ok(self.recording.load_page(key)?)).collect()
+        let load = |key| match self.is_before {
+            true => self.recording.load_page_before(key),
+            false => self.recording.load_page(key),
+        };
+        keys.iter().map(load).map(|page| Ok(page?)).collect()
     }
 
     fn blob(&mut self, hash: BlobHash) -> Result<Vec<u8>> {
