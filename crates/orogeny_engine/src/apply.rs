@@ -3,12 +3,14 @@
 use std::time::Instant;
 
 use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, StrokePlanner, plan_fill, resolved};
-use orogeny_field::{Brush, BrushType, LayerContent, LayerReference, PageLayout, Stroke, TerrainGrid};
+use orogeny_field::{
+    Brush, BrushType, LayerContent, LayerReference, PageLayout, SampleRect, Stroke, TerrainGrid,
+};
 use orogeny_pages::PageStore as _;
 use orogeny_store::{EntryId, Layer, Recording};
 
 use crate::clone_source;
-use crate::composite::Compositor;
+use crate::composite::{Change, Compositor};
 use crate::layers::{Changed, Stack, refuse_locked, refused};
 use crate::operation::{BrushOperation, LayerOperation};
 use crate::pages::RecordedPages;
@@ -204,9 +206,10 @@ fn apply_brush(
     resources.clone_ground = clone_source::load(operation, &mut brush, canvas.field, grid, recording)?;
     let operation = &operation.clone().with_brush(resolved(&brush));
     let mut pages = RecordedPages::new(recording, *layout).with_seen(seen);
+    let mut changed = SampleRect::EMPTY;
     let result = match operation {
         BrushOperation::Stroke { stroke, .. } => {
-            run_stroke(stroke, canvas, resources, *executor, &mut pages, *observer)
+            run_stroke(stroke, canvas, resources, *executor, &mut pages, *observer, &mut changed)
         }
         BrushOperation::Fill { brush, seed, region_m, .. } => {
             let region = match region_m {
@@ -215,6 +218,7 @@ fn apply_brush(
             };
             let batch = plan_fill(brush, *seed, canvas, resources, region, &mut pages)?;
             let total = batch.pages.len() as u64;
+            note_changed(&batch, &mut changed);
             run_batch(batch, *executor, &mut pages, |done| report(*observer, "filling", done, total))
         }
     };
@@ -226,7 +230,9 @@ fn apply_brush(
     if canvas.field == SEEN {
         executor.forget(&saved);
     }
-    site.compositor.forget(&site.grid, site.layout, &saved);
+    // What is seen is kept by the layer.
+    let field = if canvas.field == SEEN { layer.heights } else { canvas.field };
+    site.compositor.forget(&site.grid, site.layout, &[Change { field, rect: changed }]);
     let entry = recording.record(operation.to_recorded_json(layer.id)?, site.author)?;
     Ok(Applied {
         entry,
@@ -257,7 +263,7 @@ fn apply_layers(
     let Changed { recorded, made_layer } = stack.apply(operation)?;
     let written = std::mem::take(&mut stack.written);
     site.executor.forget(&written);
-    site.compositor.forget(&site.grid, site.layout, &written);
+    site.compositor.forget(&site.grid, site.layout, &Change::of_pages(site.layout, &written));
     let entry = recording.record(recorded.to_json()?, site.author)?;
     Ok(Applied {
         entry,
@@ -325,6 +331,7 @@ fn run_stroke(
     executor: &mut dyn Executor,
     pages: &mut RecordedPages<'_, '_>,
     observer: &mut dyn Observer,
+    changed: &mut SampleRect,
 ) -> Result<()> {
     stroke.check(&canvas.grid)?;
     let mut planner = StrokePlanner::new(&stroke.brush, stroke.seed, canvas, resources)?;
@@ -335,9 +342,17 @@ fn run_stroke(
     let mut num_instances = 0;
     while let Some(batch) = planner.next_batch(pages, BATCH_INSTANCES)? {
         num_instances += batch.instances.len() as u64;
+        note_changed(&batch, changed);
         run_batch(batch, executor, pages, |_| report(observer, "painting", num_instances, 0))?;
     }
     Ok(())
+}
+
+/// Adds the samples that a batch may change.
+fn note_changed(batch: &Batch, changed: &mut SampleRect) {
+    for work in &batch.pages {
+        *changed = changed.bounds_with(&work.rect);
+    }
 }
 
 /// Runs a batch piece by piece. `tell` gets the pages done so far and may cancel; it is asked before the first piece too, so

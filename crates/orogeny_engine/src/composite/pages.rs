@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use orogeny_field::{FieldId, Page, PageKey, PageLayout};
-use orogeny_store::{BlobHash, FieldKind, Recording, Store};
+use orogeny_store::{BlobHash, FieldKind, Recorder, Recording, Store};
 
 use crate::Result;
 
@@ -71,6 +71,27 @@ impl FieldPages for StorePages<'_> {
         let mut bytes = Vec::new();
         self.store.read_blob(&hash, &mut bytes)?;
         Ok(bytes)
+    }
+}
+
+/// What was painted last, whether it is on disk yet or still on its way; of full resolution only.
+pub(crate) struct RecorderPages<'a>(pub(crate) &'a Recorder);
+
+impl FieldPages for RecorderPages<'_> {
+    fn layout(&self) -> PageLayout {
+        self.0.on_disk().map(Store::layout).unwrap_or_default()
+    }
+
+    fn selection(&mut self) -> Result<Option<FieldId>> {
+        StorePages::new(self.0.on_disk()?).selection()
+    }
+
+    fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
+        self.0.load_pages(keys)?.into_iter().map(|page| Ok(page?)).collect()
+    }
+
+    fn blob(&mut self, hash: BlobHash) -> Result<Vec<u8>> {
+        StorePages::new(self.0.on_disk()?).blob(hash)
     }
 }
 

@@ -6,9 +6,9 @@ use orogeny_reference::field::compose;
 use rayon::prelude::*;
 
 use super::Look;
-use super::content::{cropped, paste, stored};
-use super::live::{self, BELOW, GROUND, PlanePages, Planned};
-use super::node::{Mask, Node, Term, TermSource};
+use super::content::{cropped, stored};
+use super::live::{self, BELOW, GROUND, Planned};
+use super::node::{Mask, Node, Term, TermSource, selection};
 use crate::Result;
 
 /// The samples of what is below that a node's weights within a rectangle look at; none where they do not.
@@ -109,8 +109,7 @@ fn source(
         TermSource::Mask(None) => Plane::constant(wide, 1.0),
         TermSource::Mask(Some(mask)) => stored(look, mask, wide)?,
         TermSource::Gate { gate, image } => {
-            let selection = look.pages.selection()?.unwrap_or(orogeny_field::FieldId(u32::MAX));
-            let plan = GatePlan::new(gate, look.grid, BELOW, selection, image.clone());
+            let plan = GatePlan::new(gate, look.grid, BELOW, BELOW, image.clone());
             let plan = match plan {
                 // A noise that is too fine to be seen at this level is its mean: nothing.
                 Err(orogeny_brush::Error::Field(orogeny_field::Error::FeatureSize { .. }))
@@ -120,13 +119,12 @@ fn source(
                 }
                 plan => plan?,
             };
-            let planes = below.map(|below| (BELOW, below)).into_iter().collect();
-            let mut pages = PlanePages::new(look, planes);
-            let mut values = Plane::constant(wide, 0.0);
-            for (page_rect, page) in plan.pages(&wide, &mut pages)? {
-                paste(&page, page_rect, &wide, &mut values);
-            }
-            values
+            let selected = match look.pages.selection()? {
+                _ if !gate.selection => None,
+                Some(field) => Some(stored(look, &selection(field), wide)?),
+                None => Some(Plane::constant(wide, 0.0)),
+            };
+            plan.plane(look.layout, wide, below, selected.as_ref())
         }
     };
     match blur {
