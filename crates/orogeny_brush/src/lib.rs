@@ -46,4 +46,5 @@ pub use planner::{MAX_PAGES, StrokePlanner, plan_fill};
 pub use resolved::{resolve_gate, resolved};
 pub use sampler::{Pen, PlacedSample, StrokeSampler};
 pub use spacing::Spacing;
+pub use spill::Spill;
 pub use tiles::Tile;

@@ -3,17 +3,20 @@
 use std::time::Instant;
 
 use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, StrokePlanner, plan_fill, resolved};
-use orogeny_field::{Brush, BrushType, LayerContent, PageLayout, Selecting, Stroke, TerrainGrid};
+use orogeny_field::{
+    Brush, BrushType, LayerContent, LayerReference, PageLayout, SampleRect, Selecting, Stroke, TerrainGrid,
+};
 use orogeny_pages::PageStore as _;
 use orogeny_store::{EntryId, Layer, Recording};
 
 use crate::clone_source;
-use crate::composite::Compositor;
+use crate::composite::{Change, Compositor};
 use crate::layers::{Changed, Stack, refuse_locked, refused};
 use crate::operation::{self, BrushOperation, LayerOperation};
 use crate::pages::RecordedPages;
 use crate::progress::report;
 use crate::resources;
+use crate::seen::{SEEN, Seen, keeps_difference, works_on_heights};
 use crate::select;
 use crate::terrain::{Parts, find_layer};
 use crate::{Error, Observer, Operation, Result, Target, Terrain};
@@ -186,29 +189,52 @@ fn apply_brush(
     let layer = find_layer(recording.layers(), operation.layer())?.clone();
     check_paintable(operation, recording.layers(), &layer)?;
     let (mut brush, mut resources) = resources::load(operation.brush(), recording)?;
-    resources.clone_ground = clone_source::load(operation, &mut brush, &layer, &site.grid, recording)?;
+    let mut canvas = canvas(operation, &layer, site, recording)?;
+    // The layer may have got a mask.
+    let layer = find_layer(recording.layers(), Some(&LayerReference::Id(layer.id)))?.clone();
+    let Site { grid, layout, executor, observer, compositor, .. } = site;
+    let seen = match operation.target() {
+        // Its own heights are asked for.
+        Target::Heights => None,
+        target => Seen::of(&layer, target == Target::Selection, *grid, compositor, recording)?,
+    };
+    if seen.is_some() {
+        canvas.heights = SEEN;
+        let brush_type = operation.brush().brush_type;
+        if operation.target() == Target::Seen && works_on_heights(brush_type) && keeps_difference(&layer) {
+            canvas.field = SEEN;
+        }
+    }
+    resources.clone_ground = clone_source::load(operation, &mut brush, canvas.field, grid, recording)?;
     let operation = &operation.clone().with_brush(resolved(&brush));
-    let canvas = canvas(operation, &layer, site, recording)?;
-    let mut pages = RecordedPages::new(recording, site.layout);
-    let Site { executor, observer, .. } = site;
+    let mut pages = RecordedPages::new(recording, *layout).with_seen(seen);
+    let mut changed = SampleRect::EMPTY;
     let result = match operation {
         BrushOperation::Stroke { stroke, .. } => {
-            run_stroke(stroke, canvas, resources, *executor, &mut pages, *observer)
+            run_stroke(stroke, canvas, resources, *executor, &mut pages, *observer, &mut changed)
         }
         BrushOperation::Fill { brush, seed, region_m, .. } => {
             let region = match region_m {
-                Some(region_m) => site.grid.samples_in_region(*region_m)?,
-                None => site.grid.bounds(),
+                Some(region_m) => grid.samples_in_region(*region_m)?,
+                None => grid.bounds(),
             };
             let batch = plan_fill(brush, *seed, canvas, resources, region, &mut pages)?;
             let total = batch.pages.len() as u64;
+            note_changed(&batch, &mut changed);
             run_batch(batch, *executor, &mut pages, |done| report(*observer, "filling", done, total))
         }
     };
     let result = result.and_then(|()| Ok(executor.finish(&mut pages)?));
-    let saved = pages.into_saved();
+    let (saved, asked_for) = pages.into_saved();
     let (num_pages, notices) = (saved.len(), result?);
-    site.compositor.forget(&site.grid, site.layout, &saved);
+    executor.forget(&asked_for);
+    // What it has of the layer itself was changed beside it.
+    if canvas.field == SEEN {
+        executor.forget(&saved);
+    }
+    // What is seen is kept by the layer.
+    let field = if canvas.field == SEEN { layer.heights } else { canvas.field };
+    site.compositor.forget(&site.grid, site.layout, &[Change { field, rect: changed }]);
     let entry = recording.record(operation.to_recorded_json(layer.id)?, site.author)?;
     Ok(Applied {
         entry,
@@ -239,7 +265,7 @@ fn apply_layers(
     let Changed { recorded, made_layer } = stack.apply(operation)?;
     let written = std::mem::take(&mut stack.written);
     site.executor.forget(&written);
-    site.compositor.forget(&site.grid, site.layout, &written);
+    site.compositor.forget(&site.grid, site.layout, &Change::of_pages(site.layout, &written));
     let entry = recording.record(recorded.to_json()?, site.author)?;
     Ok(Applied {
         entry,
@@ -260,7 +286,7 @@ fn apply_select(
     let start = Instant::now();
     let (recorded, written) = select::run(selecting, site.grid, recording, site.compositor, site.observer)?;
     site.executor.forget(&written);
-    site.compositor.forget(&site.grid, site.layout, &written);
+    site.compositor.forget(&site.grid, site.layout, &Change::of_pages(site.layout, &written));
     let entry = recording.record(operation::select::to_json(&recorded)?, site.author)?;
     Ok(Applied {
         entry,
@@ -314,11 +340,11 @@ fn canvas(
     };
     let selection = selection.unwrap_or(heights.selection);
     let field = match operation.target() {
-        Target::Heights => layer.heights,
+        Target::Seen | Target::Heights => layer.heights,
         Target::Mask => recording.with_mask(layer)?.mask.unwrap_or(layer.heights),
         Target::Selection => selection,
     };
-    Ok(Canvas { field, is_mask: operation.target() != Target::Heights, selection, ..heights })
+    Ok(Canvas { field, is_mask: !operation.target().is_heights(), selection, ..heights })
 }
 
 fn run_stroke(
@@ -328,6 +354,7 @@ fn run_stroke(
     executor: &mut dyn Executor,
     pages: &mut RecordedPages<'_, '_>,
     observer: &mut dyn Observer,
+    changed: &mut SampleRect,
 ) -> Result<()> {
     stroke.check(&canvas.grid)?;
     let mut planner = StrokePlanner::new(&stroke.brush, stroke.seed, canvas, resources)?;
@@ -338,9 +365,17 @@ fn run_stroke(
     let mut num_instances = 0;
     while let Some(batch) = planner.next_batch(pages, BATCH_INSTANCES)? {
         num_instances += batch.instances.len() as u64;
+        note_changed(&batch, changed);
         run_batch(batch, executor, pages, |_| report(observer, "painting", num_instances, 0))?;
     }
     Ok(())
+}
+
+/// Adds the samples that a batch may change.
+fn note_changed(batch: &Batch, changed: &mut SampleRect) {
+    for work in &batch.pages {
+        *changed = changed.bounds_with(&work.rect);
+    }
 }
 
 /// Runs a batch piece by piece. `tell` gets the pages done so far and may cancel; it is asked before the first piece too, so

@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use orogeny_brush::CloneGround;
-use orogeny_field::{Alignment, Brush, BrushType, DataSource, Placement, Plane, SampleRect, TerrainGrid};
+use orogeny_field::{
+    Alignment, Brush, BrushType, DataSource, FieldId, Placement, Plane, SampleRect, TerrainGrid,
+};
 use orogeny_formats::{ExportOptions, ImportOptions};
-use orogeny_store::{Layer, Recording};
+use orogeny_store::Recording;
 use tempfile::TempDir;
 
 use crate::access::{Access, band_bytes};
@@ -32,7 +34,7 @@ const TERRAIN_ENDING: &str = "orogeny";
 pub(crate) fn load(
     operation: &BrushOperation,
     brush: &mut Brush,
-    layer: &Layer,
+    painted: FieldId,
     grid: &TerrainGrid,
     recording: &mut Recording<'_>,
 ) -> Result<Option<CloneGround>> {
@@ -40,16 +42,14 @@ pub(crate) fn load(
         return Ok(None);
     }
     let Some(data) = brush.cloning.source.data.clone() else {
-        let reference = brush.cloning.source.layer.clone();
-        let from = match &reference {
-            Some(reference) => find_layer(recording.layers(), Some(reference))?.clone(),
-            None => layer.clone(),
+        let Some(reference) = brush.cloning.source.layer.clone() else {
+            // What is painted on itself.
+            return Ok(Some(CloneGround::Field(painted)));
         };
-        if reference.is_some() {
-            brush.cloning.source.layer = Some(LayerReference::Id(from.id));
-        }
+        let from = find_layer(recording.layers(), Some(&reference))?.clone();
+        brush.cloning.source.layer = Some(LayerReference::Id(from.id));
         let field = match operation.target() {
-            Target::Heights => from.heights,
+            Target::Seen | Target::Heights => from.heights,
             Target::Mask => recording.with_mask(&from)?.mask.unwrap_or(from.heights),
             Target::Selection => recording.selection()?,
         };

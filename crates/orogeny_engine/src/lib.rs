@@ -46,6 +46,7 @@ mod progress;
 mod relief;
 mod replay;
 mod resources;
+mod seen;
 mod select;
 mod terrain;
 mod view;

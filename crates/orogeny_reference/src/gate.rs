@@ -20,6 +20,7 @@ pub struct Ground<'a> {
 
 /// Multiplies a row of weights by what a gate makes of the ground.
 pub fn multiply_by_ground(weights: &mut [f32], gate: &Gate, ground: &Ground<'_>) {
+    let slope = gate.slope_deg.as_ref().map(SlopeBand::new);
     let rows = ground.here.windows(3).zip(ground.north.iter().skip(1).zip(ground.south.iter().skip(1)));
     for (weight, (here, (north, south))) in weights.iter_mut().zip(rows) {
         let &[west, centre, east] = here else { continue };
@@ -27,13 +28,12 @@ pub fn multiply_by_ground(weights: &mut [f32], gate: &Gate, ground: &Ground<'_>)
         let (north, south) = (f64::from(*north), f64::from(*south));
         let slope_x = (east - west) / (2.0 * ground.spacing_m);
         let slope_z = (south - north) / (2.0 * ground.spacing_m);
-        let steepness = slope_x.hypot(slope_z);
         let mut through = 1.0;
         if let Some(band) = &gate.height_m {
             through *= within(centre, band);
         }
-        if let Some(band) = &gate.slope_deg {
-            through *= within(steepness.atan().to_degrees(), band);
+        if let Some(band) = &slope {
+            through *= band.through(slope_x, slope_z);
         }
         if let Some(aspect) = &gate.aspect {
             through *= facing([-slope_x, -slope_z], aspect);
@@ -99,6 +99,44 @@ pub fn within(value: f64, band: &Band) -> f64 {
     }
 }
 
+/// A band over slopes in degrees, with what of it needs no angle: squares of tangents, a little inside the band's ends and a little outside
+/// its feathers, so that what is certain is what the angle itself would give.
+struct SlopeBand<'a> {
+    band: &'a Band,
+    within: [f64; 2],
+    beyond: [f64; 2],
+}
+
+impl<'a> SlopeBand<'a> {
+    fn new(band: &'a Band) -> Self {
+        const MARGIN: f64 = 1.0e-9;
+        let squared = |degrees: f64| match degrees {
+            ..=0.0 => 0.0,
+            90.0.. => f64::INFINITY,
+            degrees => degrees.to_radians().tan().powi(2),
+        };
+        let ends = |feather: f64, margin: f64| {
+            let low = squared(band.min - feather) * (1.0 + margin);
+            // Level ground is steep by nothing at all.
+            let low = if band.min - feather <= 0.0 { -1.0 } else { low };
+            [low, squared(band.max + feather) * (1.0 - margin)]
+        };
+        Self { band, within: ends(0.0, MARGIN), beyond: ends(band.feather, -MARGIN) }
+    }
+
+    fn through(&self, slope_x: f64, slope_z: f64) -> f64 {
+        let squared = slope_x * slope_x + slope_z * slope_z;
+        let ([low, high], [lowest, highest]) = (self.within, self.beyond);
+        if squared > low && squared < high {
+            1.0
+        } else if squared < lowest || squared > highest {
+            0.0
+        } else {
+            within(slope_x.hypot(slope_z).atan().to_degrees(), self.band)
+        }
+    }
+}
+
 /// How far a way down the ground is one that an aspect lets through; level ground faces nowhere.
 fn facing([x, z]: [f64; 2], aspect: &AspectGate) -> f64 {
     if x.hypot(z) < 1.0e-9 {
@@ -161,6 +199,25 @@ mod tests {
         assert_eq!(row(0.25), [0.0, 0.0, 0.0, 0.5, 1.0]);
         assert_eq!(row(0.75), [0.5; 5]);
         assert_eq!(row(-3.0), row(0.25));
+    }
+
+    #[test]
+    fn slopes_that_need_no_angle_are_what_the_angle_gives() {
+        for (min, max, feather) in
+            [(0.0, 30.0, 0.0), (20.0, 45.0, 5.0), (3.0, 90.0, 4.0), (-5.0, 100.0, 1.0), (10.0, 10.0, 0.0)]
+        {
+            let band = Band { min, max, feather };
+            let fast = SlopeBand::new(&band);
+            for step in 0..4000 {
+                let (slope_x, slope_z) = (f64::from(step) * 0.0007, f64::from(step % 37) * 0.01 - 0.2);
+                let angle = slope_x.hypot(slope_z).atan().to_degrees();
+                assert_eq!(fast.through(slope_x, slope_z), within(angle, &band), "{angle} in {band:?}");
+            }
+            for degrees in [min, max, min - feather, max + feather] {
+                let slope = degrees.clamp(0.0, 89.9).to_radians().tan();
+                assert_eq!(fast.through(slope, 0.0), within(slope.atan().to_degrees(), &band), "{degrees}");
+            }
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use orogeny_field::{FieldId, Page, PageKey, PageLayout};
-use orogeny_store::{BlobHash, FieldKind, Recording, Store};
+use orogeny_store::{BlobHash, FieldKind, Recorder, Recording, Store};
 
 use crate::Result;
 
@@ -14,9 +14,6 @@ pub(crate) trait FieldPages {
 
     /// The field of the terrain's selection, where there is one.
     fn selection(&mut self) -> Result<Option<FieldId>>;
-
-    /// The pages that a field has at full resolution.
-    fn page_keys(&mut self, field: FieldId) -> Result<Vec<PageKey>>;
 
     /// Pages, each `None` where the field holds its constant.
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>>;
@@ -55,10 +52,6 @@ impl FieldPages for StorePages<'_> {
         Ok(fields.find(|(_, field)| field.kind == FieldKind::Selection).map(|(id, _)| *id))
     }
 
-    fn page_keys(&mut self, field: FieldId) -> Result<Vec<PageKey>> {
-        Ok(self.store.page_keys_in(field, 0, &self.store.grid().bounds())?)
-    }
-
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
         let mut pages = Vec::with_capacity(keys.len());
         for (key, page) in keys.iter().zip(self.store.load_pages(keys)?) {
@@ -81,6 +74,27 @@ impl FieldPages for StorePages<'_> {
     }
 }
 
+/// What was painted last, whether it is on disk yet or still on its way; of full resolution only.
+pub(crate) struct RecorderPages<'a>(pub(crate) &'a Recorder);
+
+impl FieldPages for RecorderPages<'_> {
+    fn layout(&self) -> PageLayout {
+        self.0.on_disk().map(Store::layout).unwrap_or_default()
+    }
+
+    fn selection(&mut self) -> Result<Option<FieldId>> {
+        StorePages::new(self.0.on_disk()?).selection()
+    }
+
+    fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
+        self.0.load_pages(keys)?.into_iter().map(|page| Ok(page?)).collect()
+    }
+
+    fn blob(&mut self, hash: BlobHash) -> Result<Vec<u8>> {
+        StorePages::new(self.0.on_disk()?).blob(hash)
+    }
+}
+
 /// What an operation left so far; of full resolution only, since coarser levels are made when it ends.
 pub(crate) struct RecordingPages<'a, 'recorder> {
     recording: &'a mut Recording<'recorder>,
@@ -94,7 +108,7 @@ impl<'a, 'recorder> RecordingPages<'a, 'recorder> {
         Ok(Self { recording, layout, is_before: false })
     }
 
-    /// As it was before the operation instead.
+    /// Pages as they were before the running operation.
     pub(crate) fn before(recording: &'a mut Recording<'recorder>) -> Result<Self> {
         Ok(Self { is_before: true, ..Self::new(recording)? })
     }
@@ -109,16 +123,12 @@ impl FieldPages for RecordingPages<'_, '_> {
         Ok(self.recording.known_selection()?)
     }
 
-    fn page_keys(&mut self, field: FieldId) -> Result<Vec<PageKey>> {
-        Ok(self.recording.page_keys(field)?)
-    }
-
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
-        let mut load = |key| match self.is_before {
+        let load = |key| match self.is_before {
             true => self.recording.load_page_before(key),
             false => self.recording.load_page(key),
         };
-        keys.iter().map(|key| Ok(load(key)?)).collect()
+        keys.iter().map(load).map(|page| Ok(page?)).collect()
     }
 
     fn blob(&mut self, hash: BlobHash) -> Result<Vec<u8>> {

@@ -8,9 +8,9 @@ use orogeny_reference::field::compose;
 use rayon::prelude::*;
 
 use super::Look;
-use super::content::{cropped, paste, stored};
-use super::live::{self, BELOW, GROUND, PlanePages, Planned};
-use super::node::{Mask, Node, Term, TermSource};
+use super::content::{cropped, stored};
+use super::live::{self, BELOW, GROUND, Planned};
+use super::node::{Mask, Node, Term, TermSource, selection};
 use crate::Result;
 
 /// The samples of what is below that a node's weights within a rectangle look at; none where they do not.
@@ -126,21 +126,19 @@ pub(crate) fn gated(
     ground: Option<&Plane>,
     rect: SampleRect,
 ) -> Result<Plane> {
-    let selection = look.pages.selection()?.unwrap_or(FieldId(u32::MAX));
-    let plan = match GatePlan::new(gate, look.grid, BELOW, selection, image.cloned()) {
+    let plan = match GatePlan::new(gate, look.grid, BELOW, BELOW, image.cloned()) {
         // A noise that is too fine to be seen at this level is its mean: nothing.
         Err(orogeny_brush::Error::Field(orogeny_field::Error::FeatureSize { .. })) if look.level > 0 => {
             return Ok(Plane::constant(rect, if gate.is_inverted { 1.0 } else { 0.0 }));
         }
         plan => plan?,
     };
-    let planes = ground.map(|ground| (BELOW, ground)).into_iter().collect();
-    let mut pages = PlanePages::new(look, planes);
-    let mut values = Plane::constant(rect, 0.0);
-    for (page_rect, page) in plan.pages(&rect, &mut pages)? {
-        paste(&page, page_rect, &rect, &mut values);
-    }
-    Ok(values)
+    let selected = match look.pages.selection()? {
+        _ if !gate.selection => None,
+        Some(field) => Some(stored(look, &selection(field), rect)?),
+        None => Some(Plane::constant(rect, 0.0)),
+    };
+    Ok(plan.plane(look.layout, rect, ground, selected.as_ref()))
 }
 
 /// Changes a plane by another of the same rectangle, row by row.

@@ -40,6 +40,13 @@ struct Plan {
     blocks: Vec<Vec<PageKey>>,
 }
 
+/// The pages that fields have.
+struct Painted {
+    selection: Vec<PageKey>,
+    /// Of the layer that is named.
+    mask: Vec<PageKey>,
+}
+
 /// What is looked at: the terrain as it was before the operation, and its visible layers.
 struct Ground<'a, 'pages> {
     look: Look<'pages>,
@@ -68,9 +75,14 @@ pub(crate) fn run(
     }
     let selection = composite::selection(recording.selection()?);
     let layers = recording.layers().to_vec();
+    let masked = selecting.layer().map(|layer| find_layer(&layers, Some(layer))).transpose()?;
+    let painted = Painted {
+        selection: recording.page_keys(selection.field)?,
+        mask: masked.and_then(|layer| layer.mask).map_or(Ok(Vec::new()), |mask| recording.page_keys(mask))?,
+    };
     let mut pages = RecordingPages::before(recording)?;
     let nodes = compositor.nodes(&layers, &mut pages)?;
-    let plan = Plan::new(&selecting, &mut Look::new(grid, 0, &mut pages)?, &layers, selection)?;
+    let plan = Plan::new(&selecting, &mut Look::new(grid, 0, &mut pages)?, &layers, selection, &painted)?;
     let mut written = Vec::new();
     let (mut done, total) = (0, plan.blocks.iter().map(Vec::len).sum::<usize>() as u64);
     report(observer, "selecting", done, total)?;
@@ -91,13 +103,18 @@ impl Plan {
     ///
     /// # Errors
     /// [`crate::Error::Field`], naming the field; [`orogeny_brush::Error::TooManyPages`] for more than one operation may change.
-    fn new(selecting: &Selecting, look: &mut Look<'_>, layers: &[Layer], selection: Stored) -> Result<Self> {
+    fn new(
+        selecting: &Selecting,
+        look: &mut Look<'_>,
+        layers: &[Layer],
+        selection: Stored,
+        painted: &Painted,
+    ) -> Result<Self> {
         let lengths = selecting.lengths(&look.grid)?;
         let shape = Shape::new(selecting, look, layers)?;
-        let selected = look.pages.page_keys(selection.field)?;
-        let selected = Pages::new(look.layout, look.grid.bounds(), &selected);
+        let selected = Pages::new(look.layout, look.grid.bounds(), &painted.selection);
         let spread = grow::reach(lengths.grow) + feather::reach(lengths.feather);
-        let changed = selected.changed(&shape.extent(look)?, selecting, spread)?;
+        let changed = selected.changed(&shape.extent(&painted.mask), selecting, spread)?;
         let margin = margin(&lengths).unsigned_abs();
         let side = margin.saturating_mul(MARGINS_A_SIDE).clamp(MIN_BLOCK_SIDE, MAX_BLOCK_SIDE);
         let blocks = blocks(changed, selection.field, side.div_ceil(look.layout.size()));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use orogeny_field::{Bitmap, Gate, LayerTransform, Plane, SampleRect, SelectShape, Selecting};
+use orogeny_field::{Bitmap, Gate, LayerTransform, PageKey, Plane, SampleRect, SelectShape, Selecting};
 use orogeny_reference::select::lasso::Lasso;
 use orogeny_store::Layer;
 
@@ -57,17 +57,16 @@ impl Shape {
         })
     }
 
-    /// Where it may select anything.
-    pub(super) fn extent(&self, look: &mut Look<'_>) -> Result<Extent> {
-        Ok(match self {
+    /// Where it may select anything; `mask_pages` are those of its layer's mask.
+    pub(super) fn extent(&self, mask_pages: &[PageKey]) -> Extent {
+        match self {
             Self::Keep => Extent::Selected,
             Self::Rectangle(rect) | Self::Lasso(_, rect) => Extent::Rect(*rect),
-            Self::Gate { region, .. } => Extent::Rect(*region),
             Self::Mask { mask: Some(mask), region } if is_bounded(mask) => {
-                Extent::Pages(look.pages.page_keys(mask.field)?, *region)
+                Extent::Pages(mask_pages.to_vec(), *region)
             }
-            Self::Mask { region, .. } => Extent::Rect(*region),
-        })
+            Self::Gate { region, .. } | Self::Mask { region, .. } => Extent::Rect(*region),
+        }
     }
 
     /// How much it selects of each sample of a rectangle, of which `before` is what was selected.

@@ -26,10 +26,6 @@ impl FieldPages for Memory {
         Ok(Some(SELECTION))
     }
 
-    fn page_keys(&mut self, field: FieldId) -> Result<Vec<PageKey>> {
-        Ok(self.pages.keys().filter(|key| key.field == field).copied().collect())
-    }
-
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
         Ok(keys.iter().map(|key| self.pages.get(key).cloned()).collect())
     }
@@ -107,8 +103,12 @@ impl Scene {
     }
 
     fn plan(&mut self, selecting: &Selecting) -> Result<Plan> {
+        let keys =
+            |field: FieldId| self.memory.pages.keys().filter(|key| key.field == field).copied().collect();
+        let painted = Painted { selection: keys(SELECTION), mask: keys(MASK) };
         let look = &mut Look::new(self.grid, 0, &mut self.memory)?;
-        Plan::new(selecting, look, std::slice::from_ref(&self.layer), composite::selection(SELECTION))
+        let layers = std::slice::from_ref(&self.layer);
+        Plan::new(selecting, look, layers, composite::selection(SELECTION), &painted)
     }
 
     /// Does a change, and gives the keys of what was written.

@@ -13,7 +13,7 @@ const AMPLE_BYTES: u64 = 1 << 30;
 fn recorder(scratch: &Scratch, max_pending_bytes: u64) -> (Recorder, PageKey) {
     let store = scratch.create();
     let at = key(&store, 1, 1);
-    (Recorder::start(store, max_pending_bytes).unwrap(), at)
+    (Recorder::start(store, max_pending_bytes, 1 << 20).unwrap(), at)
 }
 
 fn read(recorder: &Recorder, key: &PageKey) -> Option<Vec<u32>> {
@@ -200,7 +200,7 @@ fn only_a_store_that_is_open_for_writing_can_be_recorded_to() {
     let scratch = Scratch::new();
     scratch.create().close().unwrap();
     let reader = Store::open_to_read(&scratch.path()).unwrap();
-    assert!(matches!(Recorder::start(reader, 0), Err(Error::OpenedToRead { .. })));
+    assert!(matches!(Recorder::start(reader, 0, 1 << 20), Err(Error::OpenedToRead { .. })));
 }
 
 #[test]
