@@ -8,7 +8,7 @@ use clap::Args;
 use indicatif::HumanDuration;
 use orogeny_engine::{Entry, EntryId, EntryState};
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::output::{count, text_of};
 use crate::session::Session;
@@ -115,6 +115,9 @@ fn summary(operation: &Value) -> String {
         let brush = field("/content/brush/type").and_then(Value::as_str);
         line.push_str(&brush.map_or_else(|| format!(", {content}"), |brush| format!(", {content} {brush}")));
     }
+    if let Some(shape) = field("/shape").and_then(Value::as_object) {
+        line.push_str(&selection_summary(operation, shape));
+    }
     // A fill has no instances, and for all but one brush no radius.
     let is_stroke = field("/points").is_some();
     for (what, path, unit) in [
@@ -138,9 +141,50 @@ fn summary(operation: &Value) -> String {
     line
 }
 
+/// What a selection is made of, and what becomes of it.
+fn selection_summary(operation: &Value, shape: &Map<String, Value>) -> String {
+    let mut line = String::new();
+    for (name, value) in shape {
+        line.push_str(&match value {
+            Value::Bool(_) | Value::Object(_) => format!(" {name}"),
+            Value::Array(points) if name == "lasso" => {
+                format!(" {name} of {}", count(points.len() as u64, "point"))
+            }
+            _ => format!(" {name} {value}"),
+        });
+    }
+    match operation.get("combine").and_then(Value::as_str) {
+        None | Some("replace") => {}
+        Some(combine) => line.push_str(&format!(", {combine}")),
+    }
+    for what in ["grow", "shrink", "feather"] {
+        let length_m = operation.get(what).and_then(Value::as_f64).unwrap_or_default();
+        if length_m > 0.0 {
+            line.push_str(&format!(", {what} {length_m} m"));
+        }
+    }
+    if operation.get("invert") == Some(&Value::Bool(true)) {
+        line.push_str(", invert");
+    }
+    line
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn selections_are_told_in_a_line() {
+        let json = serde_json::json!({
+            "op": "select", "shape": {"lasso": [[0, 0], [9, 0], [9, 9]]}, "combine": "add", "grow": 3.5, "shrink": 0.0,
+            "feather": 2.0, "invert": true
+        });
+        assert_eq!(summary(&json), "select lasso of 3 points, add, grow 3.5 m, feather 2 m, invert");
+        let json = serde_json::json!({"op": "select", "shape": {"mask": 3, "region": [0, 1, 2, 3]}, "combine": "replace"});
+        assert_eq!(summary(&json), "select mask 3 region [0,1,2,3]");
+        let json = serde_json::json!({"op": "select", "shape": {"gate": {"slope": {"min": 3}}}});
+        assert_eq!(summary(&json), "select gate");
+    }
 
     #[test]
     fn operations_are_told_in_a_line() {

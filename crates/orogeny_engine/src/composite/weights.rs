@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use orogeny_brush::{Executor, GatePlan};
-use orogeny_field::{Bitmap, FieldId, Gate, Plane, SampleRect};
+use orogeny_field::{Bitmap, Gate, Plane, SampleRect};
 use orogeny_reference::field::compose;
 use rayon::prelude::*;
 
