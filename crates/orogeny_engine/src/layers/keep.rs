@@ -2,7 +2,10 @@
 //! whether what is below has changed since.
 
 use orogeny_brush::{Canvas, plan_fill};
-use orogeny_field::{FieldId, LayerContent, Page, PageKey, PageLayout, SampleRect, TerrainGrid};
+use orogeny_field::{
+    FieldId, LayerContent, LayerTransform, MaskCombine, MaskSource, Page, PageKey, PageLayout, SampleRect,
+    TerrainGrid,
+};
 use orogeny_pages::{BoxError, PageStore};
 use orogeny_store::{BlobHash, Layer, MadeOf, Recording, Store};
 
@@ -10,6 +13,7 @@ use super::copy::num_below;
 use super::{Stack, refused};
 use crate::composite::{self, Compositor, FieldPages as _, Live, Look, Node, RecordingPages, with_groups};
 use crate::progress::report;
+use crate::terrain::find_layer;
 use crate::{Error, Observer, Result};
 
 /// The field that is worked on, and that gates look at: what is below the layer. No terrain has one of this number.
@@ -74,21 +78,67 @@ impl Stack<'_, '_> {
         Ok(self.recording.set_layer(Layer { made_of: Some(made_of), ..layer.clone() })?)
     }
 
-    /// The samples where a layer's painted mask, and those of its groups, may let it count.
+    /// The samples where a layer's masks, and those of its groups, may let it count.
     fn mask_bounds(&mut self, layers: &[Layer], layer: &Layer) -> Result<SampleRect> {
-        let mut bounds = self.grid.bounds();
-        for masked in with_groups(layers, layer) {
-            if let Some(mask) = masked.mask.filter(|_| masked.mask_constant == 0.0) {
-                let painted = self.recording.page_keys(mask)?;
-                bounds = bounds.intersection(&painted_bounds(self.layout, &painted));
-            }
-        }
-        Ok(bounds)
+        let (grid, layout) = (self.grid, self.layout);
+        mask_bounds(layers, layer, &grid, layout, |field| Ok(self.recording.page_keys(field)?))
     }
 }
 
-fn painted_bounds(layout: PageLayout, keys: &[PageKey]) -> SampleRect {
-    keys.iter().fold(SampleRect::EMPTY, |bounds, key| bounds.bounds_with(&layout.page_rect(key)))
+/// The samples where a layer's masks, and those of its groups, may let it count, by the pages that they are made of.
+fn mask_bounds(
+    layers: &[Layer],
+    layer: &Layer,
+    grid: &TerrainGrid,
+    layout: PageLayout,
+    mut page_keys: impl FnMut(FieldId) -> Result<Vec<PageKey>>,
+) -> Result<SampleRect> {
+    let mut bounds = grid.bounds();
+    let mut painted_bounds = |field: FieldId, transform: &LayerTransform| -> Result<SampleRect> {
+        let keys = page_keys(field)?;
+        let painted =
+            keys.iter().fold(SampleRect::EMPTY, |rect, key| rect.bounds_with(&layout.page_rect(key)));
+        if transform.is_identity() || painted.is_empty() {
+            return Ok(painted);
+        }
+        let placement = transform.placement(grid.spacing_m());
+        Ok(placement.terrain_rect(&painted.grown(4)))
+    };
+    for masked in with_groups(layers, layer) {
+        if let Some(mask) = composite::painted_mask(masked).filter(|mask| mask.constant == 0.0) {
+            bounds = bounds.intersection(&painted_bounds(mask.field, &mask.transform)?);
+        }
+        for term in &masked.mask_terms {
+            let narrows = matches!(term.combine, MaskCombine::Multiply | MaskCombine::Min);
+            if !narrows || term.is_inverted || term.curve.is_some() {
+                // Something after it may let it count elsewhere.
+                if matches!(term.combine, MaskCombine::Add | MaskCombine::Max) {
+                    bounds = grid.bounds();
+                }
+                continue;
+            }
+            let seen = term.source.layer().and_then(|seen| find_layer(layers, Some(seen)).ok());
+            // Where the other layer has nothing painted the term is 0.
+            let nothing = seen.and_then(|seen| match term.source {
+                MaskSource::Heights { low, high, .. } => {
+                    let constant_m = f64::from(seen.constant_m) * seen.transform.height_scale;
+                    (low < high && constant_m <= low).then_some((seen.heights, seen.transform))
+                }
+                MaskSource::Mask(_) => {
+                    let mask = composite::painted_mask(seen).filter(|mask| mask.constant == 0.0)?;
+                    Some((mask.field, mask.transform))
+                }
+                MaskSource::Gate(_) => None,
+            });
+            if let Some((field, transform)) = nothing {
+                let blur = (4.0 * term.blur_m / grid.spacing_m()).ceil() as i32 + 1;
+                let painted = painted_bounds(field, &transform)?;
+                let painted = if painted.is_empty() { painted } else { painted.grown(blur) };
+                bounds = bounds.intersection(&painted);
+            }
+        }
+    }
+    Ok(bounds)
 }
 
 fn run(
@@ -234,13 +284,10 @@ pub(crate) fn is_stale(store: &Store, layer: &Layer) -> Result<bool> {
     let [x0, z0, x1, z1] = made_of.region;
     let region = SampleRect::new(x0, z0, x1, z1);
     // Its mask may have been painted beyond what it was made for.
-    let mut masked = store.grid().bounds();
-    for outer in with_groups(layers, layer) {
-        if let Some(mask) = outer.mask.filter(|_| outer.mask_constant == 0.0) {
-            let painted = store.page_keys_in(mask, 0, &store.grid().bounds())?;
-            masked = masked.intersection(&painted_bounds(store.layout(), &painted));
-        }
-    }
+    let grid = store.grid();
+    let masked = mask_bounds(layers, layer, &grid, store.layout(), |field| {
+        Ok(store.page_keys_in(field, 0, &grid.bounds())?)
+    })?;
     if !masked.is_empty() && !region.contains(&masked) {
         return Ok(true);
     }
