@@ -47,6 +47,8 @@ pub struct Recording<'recorder> {
     number: u64,
     layers: Vec<Layer>,
     last_entry: EntryId,
+    /// The terrain had no selection before.
+    made_selection: bool,
     is_finished: bool,
     /// Something went wrong that was told: it can only be dropped.
     is_failed: bool,
@@ -100,7 +102,15 @@ impl Recorder {
         let number = self.shared.lock().add_entry();
         self.send(Task::Begin)?;
         let (layers, last_entry) = (self.on_disk()?.layers().to_vec(), self.last_entry);
-        Ok(Recording { recorder: self, number, layers, last_entry, is_finished: false, is_failed: false })
+        Ok(Recording {
+            recorder: self,
+            number,
+            layers,
+            last_entry,
+            made_selection: false,
+            is_finished: false,
+            is_failed: false,
+        })
     }
 
     /// Waits until everything finished is on disk.
@@ -369,7 +379,9 @@ impl Recording<'_> {
     /// # Errors
     /// As there.
     pub fn selection(&mut self) -> Result<orogeny_field::FieldId> {
-        self.with_transaction(|transaction| transaction.selection())
+        let selection = self.with_transaction(|transaction| transaction.selection())?;
+        self.made_selection |= !self.recorder.on_disk()?.fields().contains_key(&selection);
+        Ok(selection)
     }
 
     /// Runs anything on the transaction, when everything handed over is in it, and waits for it.
@@ -415,10 +427,10 @@ impl Recording<'_> {
         self.recorder.send(Task::Commit { last_number: self.number })?;
         self.is_finished = true;
         self.recorder.last_entry = self.last_entry;
-        if self.layers == self.recorder.on_disk()?.layers() {
+        if self.layers == self.recorder.on_disk()?.layers() && !self.made_selection {
             return Ok(());
         }
-        // Changes of layers are rare: everyone sees them at once.
+        // Changes of layers, and a selection's first stroke, are rare: everyone sees them at once.
         self.recorder.flush()
     }
 }
