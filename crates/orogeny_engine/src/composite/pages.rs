@@ -74,7 +74,7 @@ impl FieldPages for StorePages<'_> {
     }
 }
 
-/// What an operation left so far; of full resolution only, since coarser levels are made when it ends.
+/// What an operation left so far. Coarser levels, which are else made when it ends, are made when they are asked for.
 pub(crate) struct RecordingPages<'a, 'recorder> {
     recording: &'a mut Recording<'recorder>,
     layout: PageLayout,
@@ -97,7 +97,11 @@ impl FieldPages for RecordingPages<'_, '_> {
     }
 
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
-        keys.iter().map(|key| Ok(self.recording.load_page(key)?)).collect()
+        let mut load = |key: &PageKey| match key.level {
+            0 => self.recording.load_page(key),
+            _ => self.recording.load_coarse_page(key),
+        };
+        keys.iter().map(|key| Ok(load(key)?)).collect()
     }
 
     fn blob(&mut self, hash: BlobHash) -> Result<Vec<u8>> {

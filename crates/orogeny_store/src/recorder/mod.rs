@@ -273,6 +273,15 @@ impl Recording<'_> {
         self.load(key, None)
     }
 
+    /// Reads a page of a level above full resolution, as [`Transaction::load_coarse_page`], and waits for it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn load_coarse_page(&mut self, key: &PageKey) -> Result<Option<Arc<Page>>> {
+        let key = *key;
+        self.with_transaction(move |transaction| transaction.load_coarse_page(&key))
+    }
+
     /// Reads a page as it was before the entry that is [recorded](Self::record) next.
     ///
     /// # Errors
