@@ -233,6 +233,9 @@ impl Stack<'_, '_> {
         if remove.members {
             removed = order::with_members(self.recording.layers(), layer.id);
         }
+        for id in &removed {
+            self.refuse_locked(&self.layer(&LayerReference::Id(*id))?)?;
+        }
         let is_left = |other: &&Layer| other.content != LayerContent::Group && !removed.contains(&other.id);
         if self.recording.layers().iter().find(is_left).is_none() {
             return Err(refused(&layer, "removed", "a terrain has at least one layer".to_owned()));
