@@ -217,6 +217,16 @@ impl Stack<'_, '_> {
         if group.as_ref().is_some_and(|group| is_own(group.id)) {
             return Err(refused(&layer, "moved", "a group cannot lie in itself".to_owned()));
         }
+        if let Some(group) = &group {
+            let layers = self.recording.layers();
+            let depth = |layer: &Layer| with_groups(layers, layer).count();
+            let members = layers.iter().filter(|member| is_own(member.id));
+            let within = members.map(depth).max().unwrap_or_default() - depth(&layer);
+            if depth(group) + within + 1 > composite::MAX_GROUP_DEPTH {
+                let why = format!("groups lie in one another up to {} deep", composite::MAX_GROUP_DEPTH);
+                return Err(refused(&layer, "moved", why));
+            }
+        }
         let above = to.above.as_ref().map(|above| self.layer(above)).transpose()?;
         if let Some(above) = above.as_ref().filter(|above| is_own(above.id)) {
             let why = format!("it, or the group that it is, has `{}` in it", above.name);
