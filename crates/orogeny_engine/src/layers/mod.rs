@@ -104,7 +104,10 @@ impl Stack<'_, '_> {
         for term in terms {
             term.check()?;
             match &mut term.source {
-                MaskSource::Gate(gate) => resources::keep_image(gate, self.recording)?,
+                MaskSource::Gate(gate) => {
+                    resources::keep_image(gate, self.recording)?;
+                    orogeny_brush::resolve_gate(gate);
+                }
                 MaskSource::Heights { layer, .. } => {
                     let layer = find_layer(self.recording.layers(), Some(layer))?;
                     if layer.content != LayerContent::Heights {
