@@ -146,6 +146,10 @@ impl Stack<'_, '_> {
         check_share(&add.name, "opacity", add.opacity)?;
         add.transform.check()?;
         check_transform(&add.name, &add.content, &add.transform)?;
+        if add.height != 0.0 && add.content != LayerContent::Heights {
+            let why = "only a layer of heights has one of its own: add one of these below".to_owned();
+            return Err(Error::LayerRefused { name: add.name.clone(), done: "given a height", why });
+        }
         let group = self.group(add.group.as_ref())?;
         let made = self.make(&add.name, add.height)?;
         let layer = Layer {
