@@ -43,7 +43,7 @@ pub use kernels::custom::{CustomProgram, CustomRule};
 pub use kernels::{Rule, Stage};
 pub use plan::{Batch, PageWork, Pass};
 pub use planner::{StrokePlanner, plan_fill};
-pub use resolved::resolved;
+pub use resolved::{resolve_gate, resolved};
 pub use sampler::{Pen, PlacedSample, StrokeSampler};
 pub use spacing::Spacing;
 pub use spill::Spill;

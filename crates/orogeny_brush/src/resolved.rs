@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
 use orogeny_field::noise::{Noise, Normalization};
-use orogeny_field::{Brush, BrushType};
+use orogeny_field::{Brush, BrushType, Gate};
 use orogeny_reference::noise::normalization;
 
 /// The same brush with all that has to be found out for it found out: what its noises are normalised by.
@@ -15,11 +15,16 @@ pub fn resolved(brush: &Brush) -> Brush {
         resolve(&mut brush.noise);
     }
     for gate in [&mut brush.gate, &mut brush.hardness].into_iter().flatten() {
-        if let Some(noise) = &mut gate.noise {
-            resolve(&mut noise.noise);
-        }
+        resolve_gate(gate);
     }
     brush
+}
+
+/// Finds out what the noise of a gate that belongs to no brush is normalised by.
+pub fn resolve_gate(gate: &mut Gate) {
+    if let Some(noise) = &mut gate.noise {
+        resolve(&mut noise.noise);
+    }
 }
 
 /// Normalising takes tens of milliseconds, and the next stroke most often has the same noise.

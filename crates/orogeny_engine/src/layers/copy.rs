@@ -116,8 +116,8 @@ impl Stack<'_, '_> {
         let joined = nodes.get(..=last).unwrap_or_default();
         let is_joined = |id: u32| id == layer.id || joined.iter().any(|node| node.id == id);
         for other in &layers {
-            if other.locked && is_joined(other.id) {
-                return Err(Error::LayerLocked { name: other.name.clone() });
+            if is_joined(other.id) {
+                self.refuse_locked(other)?;
             }
             if !is_joined(other.id)
                 && let Some(seen) = layers.iter().find(|seen| is_joined(seen.id) && looks_at(other, seen.id))
@@ -138,17 +138,13 @@ impl Stack<'_, '_> {
         for node in joined.iter().filter(|node| node.id != layer.id) {
             self.recording.remove_layer(node.id)?;
         }
-        let groups =
-            layers.iter().filter(|group| group.content == LayerContent::Group && group.id != layer.id);
-        for group in groups {
-            // Of which nothing is left.
-            let has_members = |layers: &[Layer]| layers.iter().any(|layer| layer.group == Some(group.id));
-            if has_members(&layers) && !has_members(self.recording.layers()) {
-                self.recording.remove_layer(group.id)?;
-            }
+        // What is hidden in a group that becomes a layer.
+        for other in layers.iter().filter(|other| other.group == Some(layer.id) && !is_joined(other.id)) {
+            let other = self.layer(&LayerReference::Id(other.id))?;
+            self.recording.set_layer(Layer { group: layer.group, ..other })?;
         }
         let position = self.layer(&LayerReference::Id(layer.id))?.position;
-        Ok(self.recording.set_layer(Layer {
+        self.recording.set_layer(Layer {
             id: layer.id,
             position,
             name: layer.name.clone(),
@@ -165,7 +161,23 @@ impl Stack<'_, '_> {
             transform: LayerTransform::default(),
             group: None,
             made_of: None,
-        })?)
+        })?;
+        self.remove_emptied_groups(&layers)
+    }
+
+    /// Takes the groups away of which nothing is left and that no mask looks at, and then those that these were in.
+    fn remove_emptied_groups(&mut self, before: &[Layer]) -> Result<()> {
+        let has_members = |layers: &[Layer], id: u32| layers.iter().any(|layer| layer.group == Some(id));
+        loop {
+            let layers = self.recording.layers();
+            let is_emptied = |group: &&Layer| {
+                let is_group = group.content == LayerContent::Group;
+                let is_left = layers.iter().any(|other| looks_at(other, group.id));
+                is_group && has_members(before, group.id) && !has_members(layers, group.id) && !is_left
+            };
+            let Some(emptied) = layers.iter().find(is_emptied).map(|group| group.id) else { return Ok(()) };
+            self.recording.remove_layer(emptied)?;
+        }
     }
 
     /// Writes what is worked out of the whole terrain, page by page, to a field that has none, where it is not its constant.
@@ -194,8 +206,8 @@ impl Stack<'_, '_> {
             num_done += 1;
             if baked.len() >= PAGES_AT_ONCE {
                 self.write(std::mem::take(&mut baked))?;
-                report(self.observer, "baking", num_done, num_pages)?;
             }
+            report(self.observer, "baking", num_done, num_pages)?;
         }
         self.write(baked)
     }

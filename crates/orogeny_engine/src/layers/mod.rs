@@ -104,7 +104,10 @@ impl Stack<'_, '_> {
         for term in terms {
             term.check()?;
             match &mut term.source {
-                MaskSource::Gate(gate) => resources::keep_image(gate, self.recording)?,
+                MaskSource::Gate(gate) => {
+                    resources::keep_image(gate, self.recording)?;
+                    orogeny_brush::resolve_gate(gate);
+                }
                 MaskSource::Heights { layer, .. } => {
                     let layer = find_layer(self.recording.layers(), Some(layer))?;
                     if layer.content != LayerContent::Heights {
@@ -143,6 +146,10 @@ impl Stack<'_, '_> {
         check_share(&add.name, "opacity", add.opacity)?;
         add.transform.check()?;
         check_transform(&add.name, &add.content, &add.transform)?;
+        if add.height != 0.0 && add.content != LayerContent::Heights {
+            let why = "only a layer of heights has one of its own: add one of these below".to_owned();
+            return Err(Error::LayerRefused { name: add.name.clone(), done: "given a height", why });
+        }
         let group = self.group(add.group.as_ref())?;
         let made = self.make(&add.name, add.height)?;
         let layer = Layer {
@@ -217,6 +224,16 @@ impl Stack<'_, '_> {
         if group.as_ref().is_some_and(|group| is_own(group.id)) {
             return Err(refused(&layer, "moved", "a group cannot lie in itself".to_owned()));
         }
+        if let Some(group) = &group {
+            let layers = self.recording.layers();
+            let depth = |layer: &Layer| with_groups(layers, layer).count();
+            let members = layers.iter().filter(|member| is_own(member.id));
+            let within = members.map(depth).max().unwrap_or_default() - depth(&layer);
+            if depth(group) + within + 1 > composite::MAX_GROUP_DEPTH {
+                let why = format!("groups lie in one another up to {} deep", composite::MAX_GROUP_DEPTH);
+                return Err(refused(&layer, "moved", why));
+            }
+        }
         let above = to.above.as_ref().map(|above| self.layer(above)).transpose()?;
         if let Some(above) = above.as_ref().filter(|above| is_own(above.id)) {
             let why = format!("it, or the group that it is, has `{}` in it", above.name);
@@ -232,6 +249,9 @@ impl Stack<'_, '_> {
         let mut removed = vec![layer.id];
         if remove.members {
             removed = order::with_members(self.recording.layers(), layer.id);
+        }
+        for id in &removed {
+            self.refuse_locked(&self.layer(&LayerReference::Id(*id))?)?;
         }
         let is_left = |other: &&Layer| other.content != LayerContent::Group && !removed.contains(&other.id);
         if self.recording.layers().iter().find(is_left).is_none() {
