@@ -6,10 +6,10 @@ use orogeny_field::{
 use orogeny_store::{Field, FieldKind, Layer};
 
 use super::{Stack, refused};
+use crate::Result;
 use crate::composite::{self, Compositor, Look, Node, RecordingPages};
 use crate::operation::CollapseLayer;
 use crate::progress::report;
-use crate::{Error, Result};
 
 /// Pages that are copied or worked out at once.
 const PAGES_AT_ONCE: usize = 32;
@@ -116,8 +116,8 @@ impl Stack<'_, '_> {
         let joined = nodes.get(..=last).unwrap_or_default();
         let is_joined = |id: u32| id == layer.id || joined.iter().any(|node| node.id == id);
         for other in &layers {
-            if other.locked && is_joined(other.id) {
-                return Err(Error::LayerLocked { name: other.name.clone() });
+            if is_joined(other.id) {
+                self.refuse_locked(other)?;
             }
             if !is_joined(other.id)
                 && let Some(seen) = layers.iter().find(|seen| is_joined(seen.id) && looks_at(other, seen.id))
@@ -145,6 +145,12 @@ impl Stack<'_, '_> {
             let has_members = |layers: &[Layer]| layers.iter().any(|layer| layer.group == Some(group.id));
             if has_members(&layers) && !has_members(self.recording.layers()) {
                 self.recording.remove_layer(group.id)?;
+            }
+        }
+        // It is no group any more: what was hidden in it is in none.
+        for hidden in self.recording.layers().to_vec() {
+            if hidden.group == Some(layer.id) {
+                self.recording.set_layer(Layer { group: None, ..hidden })?;
             }
         }
         let position = self.layer(&LayerReference::Id(layer.id))?.position;
