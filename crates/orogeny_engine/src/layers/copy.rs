@@ -200,8 +200,8 @@ impl Stack<'_, '_> {
             num_done += 1;
             if baked.len() >= PAGES_AT_ONCE {
                 self.write(std::mem::take(&mut baked))?;
-                report(self.observer, "baking", num_done, num_pages)?;
             }
+            report(self.observer, "baking", num_done, num_pages)?;
         }
         self.write(baked)
     }
