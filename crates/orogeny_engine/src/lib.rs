@@ -66,7 +66,7 @@ pub use operation::{
 };
 pub use orogeny_field::{
     Blend, BrushType, LayerContent, LayerReference, LayerTransform, MaskTerm, PageKey, Parameter,
-    ParameterKind, SampleRect, TerrainGrid,
+    ParameterKind, Procedure, SampleRect, TerrainGrid,
 };
 pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,

@@ -6,10 +6,10 @@ use orogeny_field::{
 use orogeny_store::{Field, FieldKind, Layer};
 
 use super::{Stack, refused};
+use crate::Result;
 use crate::composite::{self, Compositor, Look, Node, RecordingPages};
 use crate::operation::CollapseLayer;
 use crate::progress::report;
-use crate::{Error, Result};
 
 /// Pages that are copied or worked out at once.
 const PAGES_AT_ONCE: usize = 32;
@@ -142,6 +142,12 @@ impl Stack<'_, '_> {
         for other in layers.iter().filter(|other| other.group == Some(layer.id) && !is_joined(other.id)) {
             let other = self.layer(&LayerReference::Id(other.id))?;
             self.recording.set_layer(Layer { group: layer.group, ..other })?;
+        }
+        // It is no group any more: what was hidden in it is in none.
+        for hidden in self.recording.layers().to_vec() {
+            if hidden.group == Some(layer.id) {
+                self.recording.set_layer(Layer { group: None, ..hidden })?;
+            }
         }
         let position = self.layer(&LayerReference::Id(layer.id))?.position;
         self.recording.set_layer(Layer {

@@ -3,7 +3,7 @@
 
 use orogeny_brush::{Canvas, plan_fill};
 use orogeny_field::{
-    FieldId, LayerContent, LayerTransform, MaskCombine, MaskSource, Page, PageKey, PageLayout, SampleRect,
+    Blend, FieldId, LayerContent, LayerTransform, MaskCombine, MaskSource, Page, PageKey, PageLayout, SampleRect,
     TerrainGrid,
 };
 use orogeny_pages::{BoxError, PageStore};
@@ -255,7 +255,8 @@ fn hash_below(layers: &[Layer], layer: &Layer) -> Result<String> {
     // The layer counts by what it is made of, not by how much it counts.
     let own = basis.first_mut().and_then(|own| own.first_mut());
     if let Some(own) = own {
-        (own.opacity, own.visible, own.mask, own.group, own.mask_terms) = (1.0, true, None, None, Vec::new());
+        (own.opacity, own.visible, own.blend, own.mask) = (1.0, true, Blend::default(), None);
+        (own.group, own.mask_terms) = (None, Vec::new());
     }
     let text = serde_json::to_vec(&basis).map_err(|err| Error::Operation {
         place: "a layer of the terrain".to_owned(),

@@ -146,9 +146,9 @@ impl Stack<'_, '_> {
         check_share(&add.name, "opacity", add.opacity)?;
         add.transform.check()?;
         check_transform(&add.name, &add.content, &add.transform)?;
-        if add.height != 0.0 && add.content != LayerContent::Heights {
-            let why = "only a layer of heights has one of its own: add one of these below".to_owned();
-            return Err(Error::LayerRefused { name: add.name.clone(), done: "given a height", why });
+        if add.content != LayerContent::Heights && add.height != 0.0 {
+            let (name, why) = (add.name.clone(), "it is not made of heights".to_owned());
+            return Err(Error::LayerRefused { name, done: "given a `height`", why });
         }
         let group = self.group(add.group.as_ref())?;
         let made = self.make(&add.name, add.height)?;
@@ -192,8 +192,7 @@ impl Stack<'_, '_> {
         }
         if let Some(content) = &set.content {
             if content.name() != layer.content.name() {
-                let why =
-                    format!("it is a {} layer; add one of the other kind instead", layer.content.name());
+                let why = format!("its type is `{}`: add a layer of the other one", layer.content.name());
                 return Err(refused(&layer, "made of something else", why));
             }
             layer.content = content.clone();
@@ -245,7 +244,6 @@ impl Stack<'_, '_> {
 
     fn remove(&mut self, remove: &RemoveLayer) -> Result<()> {
         let layer = self.layer(&remove.layer)?;
-        self.refuse_locked(&layer)?;
         let mut removed = vec![layer.id];
         if remove.members {
             removed = order::with_members(self.recording.layers(), layer.id);
