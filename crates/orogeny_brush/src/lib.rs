@@ -42,7 +42,7 @@ pub use gate::GatePlan;
 pub use kernels::custom::{CustomProgram, CustomRule};
 pub use kernels::{Rule, Stage};
 pub use plan::{Batch, PageWork, Pass};
-pub use planner::{StrokePlanner, plan_fill};
+pub use planner::{MAX_PAGES, StrokePlanner, plan_fill};
 pub use resolved::{resolve_gate, resolved};
 pub use sampler::{Pen, PlacedSample, StrokeSampler};
 pub use spacing::Spacing;

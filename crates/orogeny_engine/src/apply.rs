@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, StrokePlanner, plan_fill, resolved};
 use orogeny_field::{
-    Brush, BrushType, LayerContent, LayerReference, PageLayout, SampleRect, Stroke, TerrainGrid,
+    Brush, BrushType, LayerContent, LayerReference, PageLayout, SampleRect, Selecting, Stroke, TerrainGrid,
 };
 use orogeny_pages::PageStore as _;
 use orogeny_store::{EntryId, Layer, Recording};
@@ -12,11 +12,12 @@ use orogeny_store::{EntryId, Layer, Recording};
 use crate::clone_source;
 use crate::composite::{Change, Compositor};
 use crate::layers::{Changed, Stack, refuse_locked, refused};
-use crate::operation::{BrushOperation, LayerOperation};
+use crate::operation::{self, BrushOperation, LayerOperation};
 use crate::pages::RecordedPages;
 use crate::progress::report;
 use crate::resources;
 use crate::seen::{SEEN, Seen, keeps_difference, works_on_heights};
+use crate::select;
 use crate::terrain::{Parts, find_layer};
 use crate::{Error, Observer, Operation, Result, Target, Terrain};
 
@@ -169,6 +170,7 @@ fn apply_all(
         let one = match operation {
             Operation::Brush(operation) => apply_brush(operation, site, recording),
             Operation::Layers(operation) => apply_layers(operation, site, recording),
+            Operation::Select(selecting) => apply_select(selecting, site, recording),
         };
         applied.push(one.map_err(|err| match err {
             Error::Cancelled => Error::Cancelled,
@@ -270,6 +272,27 @@ fn apply_layers(
         operation: recorded.name(),
         brush: recorded.content().and_then(|content| Some(content.procedure()?.brush.brush_type)),
         made_layer,
+        num_pages: written.len(),
+        elapsed_s: start.elapsed().as_secs_f64(),
+        notices: Notices::default(),
+    })
+}
+
+fn apply_select(
+    selecting: &Selecting,
+    site: &mut Site<'_>,
+    recording: &mut Recording<'_>,
+) -> Result<Applied> {
+    let start = Instant::now();
+    let (recorded, written) = select::run(selecting, site.grid, recording, site.compositor, site.observer)?;
+    site.executor.forget(&written);
+    site.compositor.forget(&site.grid, site.layout, &Change::of_pages(site.layout, &written));
+    let entry = recording.record(operation::select::to_json(&recorded)?, site.author)?;
+    Ok(Applied {
+        entry,
+        operation: operation::select::NAME,
+        brush: None,
+        made_layer: None,
         num_pages: written.len(),
         elapsed_s: start.elapsed().as_secs_f64(),
         notices: Notices::default(),

@@ -47,6 +47,7 @@ mod relief;
 mod replay;
 mod resources;
 mod seen;
+mod select;
 mod terrain;
 mod view;
 mod whole_file;

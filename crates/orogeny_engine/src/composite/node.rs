@@ -212,7 +212,8 @@ impl Live {
     }
 }
 
-fn image_of(gate: &Gate, pages: &mut dyn FieldPages) -> Result<Option<Arc<Bitmap>>> {
+/// The picture of a gate, which the terrain keeps.
+pub(crate) fn image_of(gate: &Gate, pages: &mut dyn FieldPages) -> Result<Option<Arc<Bitmap>>> {
     let Some(image) = &gate.image else { return Ok(None) };
     let (bytes, name) = kept(&image.source, pages)?;
     let picture = orogeny_formats::read_bitmap(&bytes, &name)?;

@@ -1,7 +1,9 @@
 //! How much a layer counts where: its opacity times its masks.
 
+use std::sync::Arc;
+
 use orogeny_brush::{Executor, GatePlan};
-use orogeny_field::{Plane, SampleRect};
+use orogeny_field::{Bitmap, Gate, Plane, SampleRect};
 use orogeny_reference::field::compose;
 use rayon::prelude::*;
 
@@ -108,29 +110,35 @@ fn source(
         }
         TermSource::Mask(None) => Plane::constant(wide, 1.0),
         TermSource::Mask(Some(mask)) => stored(look, mask, wide)?,
-        TermSource::Gate { gate, image } => {
-            let plan = GatePlan::new(gate, look.grid, BELOW, BELOW, image.clone());
-            let plan = match plan {
-                // A noise that is too fine to be seen at this level is its mean: nothing.
-                Err(orogeny_brush::Error::Field(orogeny_field::Error::FeatureSize { .. }))
-                    if look.level > 0 =>
-                {
-                    return Ok(Plane::constant(rect, if gate.is_inverted { 1.0 } else { 0.0 }));
-                }
-                plan => plan?,
-            };
-            let selected = match look.pages.selection()? {
-                _ if !gate.selection => None,
-                Some(field) => Some(stored(look, &selection(field), wide)?),
-                None => Some(Plane::constant(wide, 0.0)),
-            };
-            plan.plane(look.layout, wide, below, selected.as_ref())
-        }
+        TermSource::Gate { gate, image } => gated(look, gate, image.as_ref(), below, wide)?,
     };
     match blur {
         Some(blur) => live::run(look, executor, blur, vec![(GROUND, &values)], rect),
         None => Ok(cropped(values, rect)),
     }
+}
+
+/// What a gate lets through within a rectangle of ground, of which a sample more on each side is known.
+pub(crate) fn gated(
+    look: &mut Look<'_>,
+    gate: &Gate,
+    image: Option<&Arc<Bitmap>>,
+    ground: Option<&Plane>,
+    rect: SampleRect,
+) -> Result<Plane> {
+    let plan = match GatePlan::new(gate, look.grid, BELOW, BELOW, image.cloned()) {
+        // A noise that is too fine to be seen at this level is its mean: nothing.
+        Err(orogeny_brush::Error::Field(orogeny_field::Error::FeatureSize { .. })) if look.level > 0 => {
+            return Ok(Plane::constant(rect, if gate.is_inverted { 1.0 } else { 0.0 }));
+        }
+        plan => plan?,
+    };
+    let selected = match look.pages.selection()? {
+        _ if !gate.selection => None,
+        Some(field) => Some(stored(look, &selection(field), rect)?),
+        None => Some(Plane::constant(rect, 0.0)),
+    };
+    Ok(plan.plane(look.layout, rect, ground, selected.as_ref()))
 }
 
 /// Changes a plane by another of the same rectangle, row by row.

@@ -3,8 +3,8 @@
 
 use orogeny_brush::{Canvas, plan_fill};
 use orogeny_field::{
-    Blend, FieldId, LayerContent, LayerTransform, MaskCombine, MaskSource, Page, PageKey, PageLayout, SampleRect,
-    TerrainGrid,
+    Blend, FieldId, LayerContent, LayerTransform, MaskCombine, MaskSource, Page, PageKey, PageLayout,
+    SampleRect, TerrainGrid,
 };
 use orogeny_pages::{BoxError, PageStore};
 use orogeny_store::{BlobHash, Layer, MadeOf, Recording, Store};
