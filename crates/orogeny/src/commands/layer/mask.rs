@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use orogeny_engine::{LayerOperation, LayerReference, MaskFrom, SetMask};
 
+use super::brush::{BrushArgument, brush};
 use super::done;
 use crate::session::Session;
 use crate::values::{self, MaskTerms};
@@ -35,6 +36,10 @@ struct Changes {
     /// Keep what is painted; so does none of these three
     #[arg(long, group = "from")]
     keep: bool,
+    /// Have it painted anew by a brush for masks, such as `flow_mask`, and kept, for `layer refresh`: a JSON object, a file that
+    /// holds one, or the name of a preset
+    #[arg(long, value_name = "BRUSH", value_parser = brush, group = "from")]
+    brush: Option<BrushArgument>,
     /// Turn what is painted then into its opposite
     #[arg(long)]
     invert: bool,
@@ -51,7 +56,7 @@ struct Changes {
 /// # Errors
 /// When the layer is not there, or is locked; nothing was changed then.
 pub(super) fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
-    let Changes { all, nothing, selection, keep: _, invert, scale, terms } = &arguments.changes;
+    let Changes { all, nothing, selection, keep: _, brush, invert, scale, terms } = &arguments.changes;
     let from = match (all, nothing, selection) {
         (true, ..) => MaskFrom::All,
         (_, true, _) => MaskFrom::Nothing,
@@ -61,6 +66,7 @@ pub(super) fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()
     let operation = LayerOperation::SetMask(SetMask {
         layer: arguments.layer.clone(),
         from,
+        brush: brush.as_ref().map(|brush| brush.procedure(0, &session.presets())).transpose()?,
         invert: *invert,
         scale: scale.unwrap_or(1.0),
         terms: terms.clone().map(|terms| terms.0),

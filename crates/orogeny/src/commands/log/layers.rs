@@ -139,7 +139,7 @@ impl Parts {
     }
 
     fn set_mask(&mut self, set: &SetMask) {
-        let SetMask { layer, from, invert, scale, terms: given } = set;
+        let SetMask { layer, from, brush, invert, scale, terms: given } = set;
         self.beside_name(&id(layer));
         match from {
             MaskFrom::Keep => {}
@@ -147,6 +147,7 @@ impl Parts {
             MaskFrom::Nothing => self.push("nowhere"),
             MaskFrom::Selection => self.push("from the selection"),
         }
+        self.push_if(brush.as_ref(), |made| format!("painted by {}", made.brush.brush_type.name()));
         self.push_where(*invert, "inverted");
         self.push_unless(*scale, 1.0, |scale| format!("scale {scale}"));
         self.push_if(given.as_ref(), |given| terms(given.len()));
