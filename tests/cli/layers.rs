@@ -301,6 +301,24 @@ fn what_a_layer_shows_is_baked_and_can_be_painted_on() {
 }
 
 #[test]
+fn a_brush_on_an_upper_layer_works_on_what_is_seen_unless_it_is_told_otherwise() {
+    let folder = terrain();
+    folder.succeed("layer add t.orogeny Top --height 8");
+    let set = json!({"type": "set_height", "height": 50, "strength": 1});
+    folder.apply("t.orogeny", "", &json!([{"op": "fill", "layer": "Top", "brush": set}]));
+    assert_eq!(height(&folder), 50.0);
+    assert!(exported(&folder, "--layer Top").iter().all(|height_m| *height_m == -50.0));
+    folder.succeed("undo t.orogeny");
+    folder.apply(
+        "t.orogeny",
+        "",
+        &json!([{"op": "fill", "layer": "Top", "target": "heights", "brush": set}]),
+    );
+    assert_eq!(height(&folder), 150.0);
+    assert!(folder.run("log t.orogeny").stdout.contains("height 50 m, own heights of layer 2"));
+}
+
+#[test]
 fn masks_are_painted_at_once_faded_and_worked_out() {
     let folder = terrain();
     folder.apply("t.orogeny", "", &json!([selecting(), dab("Base")]));

@@ -40,6 +40,7 @@ pub(super) fn summary(operation: &Value) -> String {
     match field("/target").and_then(Value::as_str) {
         Some("selection") => line.push_str(", selection"),
         Some("mask") => line.push_str(&format!(", mask of layer {layer}")),
+        Some("heights") => line.push_str(&format!(", own heights of layer {layer}")),
         _ if layer.is_empty() => {}
         _ => line.push_str(&format!(", layer {layer}")),
     }
@@ -55,9 +56,10 @@ mod tests {
     fn operations_are_told_in_a_line() {
         let brush = json!({"type": "raise", "radius": 40.5, "strength": 12.0});
         let stroke =
-            json!({"op": "stroke", "layer": 1, "target": "heights", "brush": brush, "points": [[1, 2]]});
+            json!({"op": "stroke", "layer": 1, "target": "seen", "brush": brush, "points": [[1, 2]]});
         assert_eq!(summary(&stroke), "stroke raise, radius 40.5 m, strength 12, 1 point, layer 1");
-        for (target, end) in [("mask", "mask of layer 7"), ("selection", "selection"), ("heights", "layer 7")]
+        for (target, end) in
+            [("mask", "mask of layer 7"), ("selection", "selection"), ("heights", "own heights of layer 7")]
         {
             let brush = json!({"type": "roughen", "radius": 50.0, "strength": 0.5});
             let fill = json!({"op": "fill", "layer": 7, "target": target, "brush": brush});
