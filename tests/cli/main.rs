@@ -20,6 +20,7 @@ mod drainage;
 mod faults;
 mod history;
 mod job;
+mod layers;
 mod levels;
 mod machine;
 mod memory;

@@ -20,7 +20,7 @@ pub fn resolved(brush: &Brush) -> Brush {
     brush
 }
 
-/// Finds out what a gate's noise is normalised by.
+/// Finds out what the noise of a gate that belongs to no brush is normalised by.
 pub fn resolve_gate(gate: &mut Gate) {
     if let Some(noise) = &mut gate.noise {
         resolve(&mut noise.noise);

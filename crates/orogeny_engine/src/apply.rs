@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, StrokePlanner, plan_fill, resolved};
 use orogeny_field::{
-    Brush, BrushType, LayerContent, LayerReference, PageLayout, SampleRect, Selecting, Stroke, TerrainGrid,
+    Brush, BrushType, LayerContent, LayerReference, PageKey, PageLayout, SampleRect, Selecting, Stroke,
+    TerrainGrid,
 };
 use orogeny_pages::PageStore as _;
 use orogeny_store::{EntryId, Layer, Recording};
@@ -48,13 +49,21 @@ pub struct Applied {
 }
 
 /// What running operations needs.
-struct Site<'a> {
-    grid: TerrainGrid,
-    layout: PageLayout,
-    author: &'a str,
-    executor: &'a mut dyn Executor,
-    compositor: &'a mut Compositor,
-    observer: &'a mut dyn Observer,
+pub(crate) struct Site<'a> {
+    pub(crate) grid: TerrainGrid,
+    pub(crate) layout: PageLayout,
+    pub(crate) executor: &'a mut dyn Executor,
+    pub(crate) compositor: &'a mut Compositor,
+    pub(crate) observer: &'a mut dyn Observer,
+}
+
+/// What was painted.
+pub(crate) struct Painted {
+    /// With all that had to be found out for it found out.
+    operation: BrushOperation,
+    notices: Notices,
+    /// The pages that changed.
+    pub(crate) pages: Vec<PageKey>,
 }
 
 impl Terrain {
@@ -129,8 +138,8 @@ impl Terrain {
         let Parts { recorder, executor, compositor } = self.parts()?;
         let (grid, layout) = (recorder.on_disk()?.grid(), recorder.on_disk()?.layout());
         let result = recorder.begin().map_err(Error::from).and_then(|mut recording| {
-            let mut site = Site { grid, layout, author: &author, executor, compositor, observer };
-            let applied = apply_all(operations, &mut site, &mut recording)?;
+            let mut site = Site { grid, layout, executor, compositor, observer };
+            let applied = apply_all(operations, &author, &mut site, &mut recording)?;
             match after {
                 After::Commit => recording.finish()?,
                 // Whether what was handed over could be written is known when all of it was.
@@ -159,6 +168,7 @@ enum After {
 /// Runs operations one after another.
 fn apply_all(
     operations: &[Operation],
+    author: &str,
     site: &mut Site<'_>,
     recording: &mut Recording<'_>,
 ) -> Result<Vec<Applied>> {
@@ -168,9 +178,9 @@ fn apply_all(
         let brush = operation.brush().map_or("", |brush| brush.brush_type.name());
         tracing::info!("operation {number} of {count}: {} {brush}", operation.name());
         let one = match operation {
-            Operation::Brush(operation) => apply_brush(operation, site, recording),
-            Operation::Layers(operation) => apply_layers(operation, site, recording),
-            Operation::Select(selecting) => apply_select(selecting, site, recording),
+            Operation::Brush(operation) => apply_brush(operation, author, site, recording),
+            Operation::Layers(operation) => apply_layers(operation, author, site, recording),
+            Operation::Select(selecting) => apply_select(selecting, author, site, recording),
         };
         applied.push(one.map_err(|err| match err {
             Error::Cancelled => Error::Cancelled,
@@ -182,10 +192,34 @@ fn apply_all(
 
 fn apply_brush(
     operation: &BrushOperation,
+    author: &str,
     site: &mut Site<'_>,
     recording: &mut Recording<'_>,
 ) -> Result<Applied> {
     let start = Instant::now();
+    let layer = find_layer(recording.layers(), operation.layer())?.id;
+    let Painted { operation, notices, pages } = paint(operation, site, recording)?;
+    let entry = recording.record(operation.to_recorded_json(layer)?, author)?;
+    Ok(Applied {
+        entry,
+        operation: operation.name(),
+        brush: Some(operation.brush().brush_type),
+        made_layer: None,
+        num_pages: pages.len(),
+        elapsed_s: start.elapsed().as_secs_f64(),
+        notices,
+    })
+}
+
+/// Applies a brush, as a part of the entry that is recorded next.
+///
+/// # Errors
+/// [`Error::UnknownLayer`], [`Error::LayerLocked`], [`Error::LayerRefused`]; what the brush cannot be done for; [`Error::Cancelled`].
+pub(crate) fn paint(
+    operation: &BrushOperation,
+    site: &mut Site<'_>,
+    recording: &mut Recording<'_>,
+) -> Result<Painted> {
     let layer = find_layer(recording.layers(), operation.layer())?.clone();
     check_paintable(operation, recording.layers(), &layer)?;
     let (mut brush, mut resources) = resources::load(operation.brush(), recording)?;
@@ -206,10 +240,10 @@ fn apply_brush(
         }
     }
     resources.clone_ground = clone_source::load(operation, &mut brush, canvas.field, grid, recording)?;
-    let operation = &operation.clone().with_brush(resolved(&brush));
+    let operation = operation.clone().with_brush(resolved(&brush));
     let mut pages = RecordedPages::new(recording, *layout).with_seen(seen);
     let mut changed = SampleRect::EMPTY;
-    let result = match operation {
+    let result = match &operation {
         BrushOperation::Stroke { stroke, .. } => {
             run_stroke(stroke, canvas, resources, *executor, &mut pages, *observer, &mut changed)
         }
@@ -226,7 +260,7 @@ fn apply_brush(
     };
     let result = result.and_then(|()| Ok(executor.finish(&mut pages)?));
     let (saved, asked_for) = pages.into_saved();
-    let (num_pages, notices) = (saved.len(), result?);
+    let notices = result?;
     executor.forget(&asked_for);
     // What it has of the layer itself was changed beside it.
     if canvas.field == SEEN {
@@ -235,38 +269,22 @@ fn apply_brush(
     // What is seen is kept by the layer.
     let field = if canvas.field == SEEN { layer.heights } else { canvas.field };
     site.compositor.forget(&site.grid, site.layout, &[Change { field, rect: changed }]);
-    let entry = recording.record(operation.to_recorded_json(layer.id)?, site.author)?;
-    Ok(Applied {
-        entry,
-        operation: operation.name(),
-        brush: Some(operation.brush().brush_type),
-        made_layer: None,
-        num_pages,
-        elapsed_s: start.elapsed().as_secs_f64(),
-        notices,
-    })
+    Ok(Painted { operation, notices, pages: saved })
 }
 
 fn apply_layers(
     operation: &LayerOperation,
+    author: &str,
     site: &mut Site<'_>,
     recording: &mut Recording<'_>,
 ) -> Result<Applied> {
     let start = Instant::now();
-    let mut stack = Stack {
-        grid: site.grid,
-        layout: site.layout,
-        recording,
-        compositor: site.compositor,
-        executor: site.executor,
-        observer: site.observer,
-        written: Vec::new(),
-    };
+    let mut stack = Stack { site, recording, written: Vec::new() };
     let Changed { recorded, made_layer } = stack.apply(operation)?;
     let written = std::mem::take(&mut stack.written);
     site.executor.forget(&written);
     site.compositor.forget(&site.grid, site.layout, &Change::of_pages(site.layout, &written));
-    let entry = recording.record(recorded.to_json()?, site.author)?;
+    let entry = recording.record(recorded.to_json()?, author)?;
     Ok(Applied {
         entry,
         operation: recorded.name(),
@@ -280,6 +298,7 @@ fn apply_layers(
 
 fn apply_select(
     selecting: &Selecting,
+    author: &str,
     site: &mut Site<'_>,
     recording: &mut Recording<'_>,
 ) -> Result<Applied> {
@@ -287,7 +306,7 @@ fn apply_select(
     let (recorded, written) = select::run(selecting, site.grid, recording, site.compositor, site.observer)?;
     site.executor.forget(&written);
     site.compositor.forget(&site.grid, site.layout, &Change::of_pages(site.layout, &written));
-    let entry = recording.record(operation::select::to_json(&recorded)?, site.author)?;
+    let entry = recording.record(operation::select::to_json(&recorded)?, author)?;
     Ok(Applied {
         entry,
         operation: operation::select::NAME,

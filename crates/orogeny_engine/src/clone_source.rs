@@ -6,14 +6,15 @@ use std::sync::Arc;
 
 use orogeny_brush::CloneGround;
 use orogeny_field::{
-    Alignment, Brush, BrushType, DataSource, FieldId, Placement, Plane, SampleRect, TerrainGrid,
+    Alignment, Brush, BrushType, DataSource, FieldId, LayerContent, Placement, Plane, SampleRect, TerrainGrid,
 };
 use orogeny_formats::{ExportOptions, ImportOptions};
-use orogeny_store::Recording;
+use orogeny_store::{Layer, Recording};
 use tempfile::TempDir;
 
 use crate::access::{Access, band_bytes};
 use crate::composite::{Composite, Compositor, Source};
+use crate::layers::refused;
 use crate::operation::BrushOperation;
 use crate::resources;
 use crate::terrain::find_layer;
@@ -48,6 +49,7 @@ pub(crate) fn load(
         };
         let from = find_layer(recording.layers(), Some(&reference))?.clone();
         brush.cloning.source.layer = Some(LayerReference::Id(from.id));
+        check_cloneable(&from, operation.target())?;
         let field = match operation.target() {
             Target::Seen | Target::Heights => from.heights,
             Target::Mask => recording.with_mask(&from)?.mask.unwrap_or(from.heights),
@@ -79,6 +81,17 @@ pub(crate) fn load(
         }
     };
     Ok(Some(CloneGround::Raster { heights: Arc::new(plane), spacing_m }))
+}
+
+/// Refuses a layer whose heights, or whose mask, are not stored where they lie.
+fn check_cloneable(from: &Layer, target: Target) -> Result<()> {
+    let is_made = from.content != LayerContent::Heights && target.is_heights();
+    let is_moved = !from.transform.is_identity() && target != Target::Selection;
+    if is_made || is_moved {
+        let why = "it is not made of heights that lie where they are: collapse it first".to_owned();
+        return Err(refused(from, "cloned", why));
+    }
+    Ok(())
 }
 
 /// A part of data from outside.

@@ -1,9 +1,10 @@
 //! Saving what can be read of a damaged terrain into a new one.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use orogeny_field::{FieldId, Page, PageKey};
+use orogeny_field::{FieldId, LayerReference, Page, PageKey};
 
 use crate::database::{Database, companion, has_log};
 use crate::rows::Document;
@@ -52,9 +53,7 @@ impl Store {
         let Document { grid, layout, .. } = source.document;
         let mut target = Self::create(to, &NewTerrain { grid, layout, layers: Vec::new() })?;
         let copied = target.begin().and_then(|mut transaction| {
-            for layer in &source.stack.layers {
-                copy_layer(&source, layer, &mut transaction, &mut salvaged)?;
-            }
+            copy_layers(&source, &mut transaction, &mut salvaged)?;
             let name = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let operation = serde_json::json!({ "op": "salvage", "from": name });
             transaction.commit(&operation.to_string(), "")
@@ -79,28 +78,79 @@ fn up_to_date_copy(from: &Path, to: &Path) -> Result<tempfile::TempPath> {
     Ok(copy)
 }
 
+fn copy_layers(source: &Store, transaction: &mut Transaction<'_>, salvaged: &mut Salvaged) -> Result<()> {
+    let mut copies = Vec::new();
+    for layer in &source.stack.layers {
+        copies.push((layer.id, copy_layer(source, layer, transaction, salvaged)?));
+    }
+    let ids: BTreeMap<u32, u32> = copies.iter().map(|(id, copy)| (*id, copy.id)).collect();
+    for (_, mut copy) in copies {
+        refer_to_copies(&mut copy, &ids, salvaged);
+        copy_blobs(source, &copy, transaction, salvaged)?;
+        transaction.set_layer(&copy)?;
+    }
+    Ok(())
+}
+
+/// Copies a layer with its pages; it still refers to others by the ids that they had.
 fn copy_layer(
     source: &Store,
     layer: &Layer,
     transaction: &mut Transaction<'_>,
     salvaged: &mut Salvaged,
-) -> Result<()> {
-    let constant_m = layer.constant_m;
-    let mut layer = layer.clone();
-    if crate::layer::check_name(&layer.name).is_err() {
+) -> Result<Layer> {
+    let mut name = layer.name.clone();
+    if crate::layer::check_name(&name).is_err() {
         salvaged.problems.push(format!("layer {} has no name that can be", layer.id));
-        layer.name = format!("Layer {}", layer.id);
+        name = format!("Layer {}", layer.id);
     }
-    let made = transaction.add_layer(&NewLayer { name: layer.name.clone(), constant_m })?;
+    let made = transaction.add_layer(&NewLayer { name: name.clone(), constant_m: layer.constant_m })?;
     copy_pages(source, layer.heights, made.heights, transaction, salvaged)?;
-    let mut copy = Layer { mask: None, id: made.id, ..layer.clone() };
-    if let Some(mask) = layer.mask {
-        let constant = source.stack.fields.get(&mask).map_or(1.0, |field| field.constant);
+    let mut mask = None;
+    if let Some(from) = layer.mask {
+        let constant = source.stack.fields.get(&from).map_or(1.0, |field| field.constant);
         let field = transaction.add_field(Field { kind: FieldKind::Mask, constant })?;
-        copy_pages(source, mask, field, transaction, salvaged)?;
-        copy.mask = Some(field);
+        copy_pages(source, from, field, transaction, salvaged)?;
+        mask = Some(field);
     }
-    transaction.set_layer(&copy)
+    // What an effect was made of is told by entries of a history that is not copied.
+    Ok(Layer { id: made.id, name, heights: made.heights, mask, made_of: None, ..layer.clone() })
+}
+
+/// Names other layers by the ids of their copies.
+fn refer_to_copies(copy: &mut Layer, ids: &BTreeMap<u32, u32>, salvaged: &mut Salvaged) {
+    copy.group = copy.group.and_then(|group| ids.get(&group).copied());
+    let num_terms = copy.mask_terms.len();
+    copy.mask_terms.retain_mut(|term| match term.source.layer_mut() {
+        Some(LayerReference::Id(id)) => ids.get(id).map(|copied| *id = *copied).is_some(),
+        Some(LayerReference::Name(_)) | None => true,
+    });
+    if copy.mask_terms.len() < num_terms {
+        salvaged
+            .problems
+            .push(format!("the mask of the layer `{}` looks at one that cannot be read", copy.name));
+    }
+}
+
+/// Copies the data from outside that a layer is made of: its state names it.
+fn copy_blobs(
+    source: &Store,
+    layer: &Layer,
+    transaction: &mut Transaction<'_>,
+    salvaged: &mut Salvaged,
+) -> Result<()> {
+    let state = layer.to_state()?;
+    for blob in source.db.blobs().unwrap_or_default().into_iter().flatten() {
+        if !state.contains(&blob.hash.to_string()) {
+            continue;
+        }
+        let mut bytes = Vec::new();
+        match source.copy_blob(&blob, &mut bytes) {
+            Ok(()) => _ = transaction.keep_blob(&mut bytes.as_slice())?,
+            Err(err) => salvaged.problems.push(format!("what the layer `{}` is made of: {err}", layer.name)),
+        }
+    }
+    Ok(())
 }
 
 fn copy_pages(

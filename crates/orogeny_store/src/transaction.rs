@@ -90,6 +90,23 @@ impl<'store> Transaction<'store> {
         self.store.load_page(key)
     }
 
+    /// Reads a page of a level above full resolution as what was written so far makes it; `None` where the field holds its constant.
+    ///
+    /// # Errors
+    /// As [`Self::load_page`]; after any error the transaction can only be dropped.
+    pub fn load_coarse_page(&mut self, key: &PageKey) -> Result<Option<Arc<Page>>> {
+        self.refuse_after_failure()?;
+        let loaded = self.refresh_levels().and_then(|()| self.load_page(key));
+        self.fail_with(loaded)
+    }
+
+    /// Makes the levels above what was changed since this was last done.
+    fn refresh_levels(&mut self) -> Result<()> {
+        let Document { grid, layout, .. } = self.document;
+        let changed = std::mem::take(&mut self.changed);
+        pyramid::refresh(&self.store.db, grid, layout, |key| self.stack.constant(key), changed)
+    }
+
     /// Reads a page as it was before the entry that is [recorded](Self::record) next; `None` where the field held its
     /// constant.
     ///
@@ -300,10 +317,8 @@ impl<'store> Transaction<'store> {
         let entries = (first.0..self.entry.0).map(EntryId).collect();
         // The number kept for a further entry is free again.
         self.document.last_entry = self.entry.0.saturating_sub(1);
-        let Document { grid, layout, .. } = self.document;
-        let changed = std::mem::take(&mut self.changed);
-        pyramid::refresh(db, grid, layout, |key| self.stack.constant(key), changed)?;
-        let dropped = budget::keep(db, &mut self.document)?;
+        self.refresh_levels()?;
+        let dropped = budget::keep(&self.store.db, &mut self.document)?;
         self.store.commit(self.document.clone(), std::mem::take(&mut self.stack))?;
         self.is_committed = true;
         Ok(Committed { entries, dropped })

@@ -110,8 +110,10 @@ fn stroke(terrain: &mut Terrain, layer: &str, round: usize) -> Result<f64> {
     let operation = Operation::from_json_text(&text)?;
     terrain.flush()?;
     let region = [x_m - radius_m, z_m - radius_m, 2.5 * radius_m, 2.0 * radius_m];
-    // What is painted on has been looked at before.
-    terrain.heights(&ExportSource::Composite, Some(region), 0)?;
+    // What is painted on, and what lies around it, has been looked at before.
+    let [x, z, width, depth] = region;
+    let around = [x - radius_m, z - radius_m, width + 2.0 * radius_m, depth + 2.0 * radius_m];
+    terrain.heights(&ExportSource::Composite, Some(around), 0)?;
     let mut times = Times::default();
     times.measure(|| {
         terrain.submit(std::slice::from_ref(&operation), &mut Quiet)?;

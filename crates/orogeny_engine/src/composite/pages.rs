@@ -95,7 +95,7 @@ impl FieldPages for RecorderPages<'_> {
     }
 }
 
-/// What an operation left so far; of full resolution only, since coarser levels are made when it ends.
+/// What an operation left so far. Coarser levels, which are else made when it ends, are made when they are asked for.
 pub(crate) struct RecordingPages<'a, 'recorder> {
     recording: &'a mut Recording<'recorder>,
     layout: PageLayout,
@@ -124,11 +124,12 @@ impl FieldPages for RecordingPages<'_, '_> {
     }
 
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
-        let load = |key| match self.is_before {
-            true => self.recording.load_page_before(key),
-            false => self.recording.load_page(key),
+        let mut load = |key: &PageKey| match (key.level, self.is_before) {
+            (0, true) => self.recording.load_page_before(key),
+            (0, false) => self.recording.load_page(key),
+            _ => self.recording.load_coarse_page(key),
         };
-        keys.iter().map(load).map(|page| Ok(page?)).collect()
+        keys.iter().map(|key| Ok(load(key)?)).collect()
     }
 
     fn blob(&mut self, hash: BlobHash) -> Result<Vec<u8>> {

@@ -6,17 +6,17 @@ use orogeny_field::{
 use orogeny_store::{Field, FieldKind, Layer};
 
 use super::{Stack, refused};
+use crate::Result;
 use crate::composite::{self, Compositor, Look, Node, RecordingPages};
 use crate::operation::CollapseLayer;
 use crate::progress::report;
-use crate::{Error, Result};
 
 /// Pages that are copied or worked out at once.
 const PAGES_AT_ONCE: usize = 32;
 /// The most pages that are baked at once: as many as one operation of a brush may change.
 const MAX_BAKED_PAGES: u64 = 1 << 20;
 
-impl Stack<'_, '_> {
+impl Stack<'_, '_, '_> {
     /// Hands over pages, and notes them as changed.
     pub(super) fn write(&mut self, pages: Vec<(PageKey, Page)>) -> Result<()> {
         self.written.extend(pages.iter().map(|(key, _)| *key));
@@ -41,7 +41,7 @@ impl Stack<'_, '_> {
                 }
             }
             self.write(pages)?;
-            report(self.observer, "copying", done + keys.len() as u64, 0)?;
+            report(self.site.observer, "copying", done + keys.len() as u64, 0)?;
         }
         Ok(keys.len())
     }
@@ -77,7 +77,7 @@ impl Stack<'_, '_> {
         }
         let layers = self.recording.layers().to_vec();
         let mut pages = RecordingPages::new(self.recording)?;
-        let nodes = self.compositor.nodes(&layers, &mut pages)?;
+        let nodes = self.site.compositor.nodes(&layers, &mut pages)?;
         let node = composite::node(&layers, &layer, &mut pages)?;
         let below = nodes.get(..num_below(&layers, &nodes, layer.id)).unwrap_or_default();
         let mut baked = Layer {
@@ -108,7 +108,7 @@ impl Stack<'_, '_> {
     fn collapse_below(&mut self, layer: &Layer) -> Result<()> {
         let layers = self.recording.layers().to_vec();
         let mut pages = RecordingPages::new(self.recording)?;
-        let nodes = self.compositor.nodes(&layers, &mut pages)?;
+        let nodes = self.site.compositor.nodes(&layers, &mut pages)?;
         let members = super::order::with_members(&layers, layer.id);
         let Some(last) = nodes.iter().rposition(|node| members.contains(&node.id)) else {
             return Err(refused(layer, "collapsed", "it is hidden".to_owned()));
@@ -116,8 +116,8 @@ impl Stack<'_, '_> {
         let joined = nodes.get(..=last).unwrap_or_default();
         let is_joined = |id: u32| id == layer.id || joined.iter().any(|node| node.id == id);
         for other in &layers {
-            if other.locked && is_joined(other.id) {
-                return Err(Error::LayerLocked { name: other.name.clone() });
+            if is_joined(other.id) {
+                self.refuse_locked(other)?;
             }
             if !is_joined(other.id)
                 && let Some(seen) = layers.iter().find(|seen| is_joined(seen.id) && looks_at(other, seen.id))
@@ -138,17 +138,19 @@ impl Stack<'_, '_> {
         for node in joined.iter().filter(|node| node.id != layer.id) {
             self.recording.remove_layer(node.id)?;
         }
-        let groups =
-            layers.iter().filter(|group| group.content == LayerContent::Group && group.id != layer.id);
-        for group in groups {
-            // Of which nothing is left.
-            let has_members = |layers: &[Layer]| layers.iter().any(|layer| layer.group == Some(group.id));
-            if has_members(&layers) && !has_members(self.recording.layers()) {
-                self.recording.remove_layer(group.id)?;
+        // What is hidden in a group that becomes a layer.
+        for other in layers.iter().filter(|other| other.group == Some(layer.id) && !is_joined(other.id)) {
+            let other = self.layer(&LayerReference::Id(other.id))?;
+            self.recording.set_layer(Layer { group: layer.group, ..other })?;
+        }
+        // It is no group any more: what was hidden in it is in none.
+        for hidden in self.recording.layers().to_vec() {
+            if hidden.group == Some(layer.id) {
+                self.recording.set_layer(Layer { group: None, ..hidden })?;
             }
         }
         let position = self.layer(&LayerReference::Id(layer.id))?.position;
-        Ok(self.recording.set_layer(Layer {
+        self.recording.set_layer(Layer {
             id: layer.id,
             position,
             name: layer.name.clone(),
@@ -165,7 +167,24 @@ impl Stack<'_, '_> {
             transform: LayerTransform::default(),
             group: None,
             made_of: None,
-        })?)
+            made_mask: None,
+        })?;
+        self.remove_emptied_groups(&layers)
+    }
+
+    /// Takes the groups away of which nothing is left and that no mask looks at, and then those that these were in.
+    fn remove_emptied_groups(&mut self, before: &[Layer]) -> Result<()> {
+        let has_members = |layers: &[Layer], id: u32| layers.iter().any(|layer| layer.group == Some(id));
+        loop {
+            let layers = self.recording.layers();
+            let is_emptied = |group: &&Layer| {
+                let is_group = group.content == LayerContent::Group;
+                let is_left = layers.iter().any(|other| looks_at(other, group.id));
+                is_group && has_members(before, group.id) && !has_members(layers, group.id) && !is_left
+            };
+            let Some(emptied) = layers.iter().find(is_emptied).map(|group| group.id) else { return Ok(()) };
+            self.recording.remove_layer(emptied)?;
+        }
     }
 
     /// Writes what is worked out of the whole terrain, page by page, to a field that has none, where it is not its constant.
@@ -175,7 +194,7 @@ impl Stack<'_, '_> {
         constant: f32,
         mut work_out: impl FnMut(&mut Compositor, &mut Look<'_>, SampleRect) -> Result<Plane>,
     ) -> Result<()> {
-        let (layout, bounds) = (self.layout, self.grid.bounds());
+        let (layout, bounds) = (self.site.layout, self.site.grid.bounds());
         let num_pages = layout.num_pages_in(bounds);
         if num_pages > MAX_BAKED_PAGES {
             return Err(orogeny_brush::Error::TooManyPages { num_pages, limit: MAX_BAKED_PAGES }.into());
@@ -186,16 +205,16 @@ impl Stack<'_, '_> {
             let key = PageKey::full_resolution(field, x, z);
             let page_rect = layout.page_rect(&key);
             let mut pages = RecordingPages::new(self.recording)?;
-            let mut look = Look::new(self.grid, 0, &mut pages)?;
-            let plane = work_out(self.compositor, &mut look, page_rect.intersection(&bounds))?;
+            let mut look = Look::new(self.site.grid, 0, &mut pages)?;
+            let plane = work_out(self.site.compositor, &mut look, page_rect.intersection(&bounds))?;
             if plane.samples().iter().any(|sample| sample.to_bits() != constant.to_bits()) {
                 baked.push((key, composite::page_of(&plane, layout, page_rect, constant)));
             }
             num_done += 1;
             if baked.len() >= PAGES_AT_ONCE {
                 self.write(std::mem::take(&mut baked))?;
-                report(self.observer, "baking", num_done, num_pages)?;
             }
+            report(self.site.observer, "baking", num_done, num_pages)?;
         }
         self.write(baked)
     }

@@ -21,6 +21,7 @@ use crate::{Error, Presets, Result};
 
 /// Something that changes a terrain.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "most operations are brushes, and few are in memory at once")]
 pub enum Operation {
     /// A brush is applied.
     Brush(BrushOperation),

@@ -62,6 +62,7 @@ fn layer() -> Layer {
         transform: LayerTransform::default(),
         group: None,
         made_of: None,
+        made_mask: None,
     }
 }
 

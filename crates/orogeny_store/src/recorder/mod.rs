@@ -51,8 +51,8 @@ pub struct Recording<'recorder> {
     number: u64,
     layers: Vec<Layer>,
     last_entry: EntryId,
-    /// The selection was made.
-    made_field: bool,
+    /// The terrain had no selection before.
+    made_selection: bool,
     is_finished: bool,
     /// Something went wrong that was told: it can only be dropped.
     is_failed: bool,
@@ -133,7 +133,7 @@ impl Recorder {
             number,
             layers,
             last_entry,
-            made_field: false,
+            made_selection: false,
             is_finished: false,
             is_failed: false,
         })
@@ -317,6 +317,15 @@ impl Recording<'_> {
         self.load(key, None)
     }
 
+    /// Reads a page of a level above full resolution, as [`Transaction::load_coarse_page`], and waits for it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn load_coarse_page(&mut self, key: &PageKey) -> Result<Option<Arc<Page>>> {
+        let key = *key;
+        self.with_transaction(move |transaction| transaction.load_coarse_page(&key))
+    }
+
     /// Reads a page as it was before the entry that is [recorded](Self::record) next.
     ///
     /// # Errors
@@ -426,12 +435,9 @@ impl Recording<'_> {
     /// # Errors
     /// As there.
     pub fn selection(&mut self) -> Result<orogeny_field::FieldId> {
-        let (field, is_new) = self.with_transaction(|transaction| {
-            let is_new = transaction.known_selection().is_none();
-            Ok((transaction.selection()?, is_new))
-        })?;
-        self.made_field |= is_new;
-        Ok(field)
+        let selection = self.with_transaction(|transaction| transaction.selection())?;
+        self.made_selection |= !self.recorder.on_disk()?.fields().contains_key(&selection);
+        Ok(selection)
     }
 
     /// Runs anything on the transaction, when everything handed over is in it, and waits for it.
@@ -477,10 +483,10 @@ impl Recording<'_> {
         self.recorder.send(Task::Commit { last_number: self.number })?;
         self.is_finished = true;
         self.recorder.last_entry = self.last_entry;
-        if !self.made_field && self.layers == self.recorder.on_disk()?.layers() {
+        if self.layers == self.recorder.on_disk()?.layers() && !self.made_selection {
             return Ok(());
         }
-        // Changes of layers and fields are rare: everyone sees them at once.
+        // Changes of layers, and a selection's first stroke, are rare: everyone sees them at once.
         self.recorder.flush()
     }
 }
