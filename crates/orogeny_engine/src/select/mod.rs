@@ -57,7 +57,7 @@ struct Ground<'a, 'pages> {
 /// Changes the selection. Gives the operation as it is recorded, and the pages that changed.
 ///
 /// # Errors
-/// As [`Plan::new`]; [`crate::Error::UnknownLayer`]; what a gate's picture cannot be read for; [`crate::Error::Cancelled`].
+/// As [`Plan::new`]; [`crate::Error::UnknownLayer`]; as [`resources::load`] for a picture of its gate; [`crate::Error::Cancelled`].
 pub(crate) fn run(
     selecting: &Selecting,
     grid: TerrainGrid,
