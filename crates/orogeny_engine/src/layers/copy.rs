@@ -6,10 +6,10 @@ use orogeny_field::{
 use orogeny_store::{Field, FieldKind, Layer};
 
 use super::{Stack, refused};
+use crate::Result;
 use crate::composite::{self, Compositor, Look, Node, RecordingPages};
 use crate::operation::CollapseLayer;
 use crate::progress::report;
-use crate::{Error, Result};
 
 /// Pages that are copied or worked out at once.
 const PAGES_AT_ONCE: usize = 32;

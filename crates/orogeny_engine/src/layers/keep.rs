@@ -2,14 +2,17 @@
 //! whether what is below has changed since.
 
 use orogeny_brush::{Canvas, plan_fill};
-use orogeny_field::{FieldId, LayerContent, Page, PageKey, PageLayout, SampleRect, TerrainGrid};
+use orogeny_field::{
+    Blend, FieldId, LayerContent, MaskSource, MaskTerm, Page, PageKey, PageLayout, SampleRect, TerrainGrid,
+};
 use orogeny_pages::{BoxError, PageStore};
-use orogeny_store::{BlobHash, Layer, MadeOf, Recording, Store};
+use orogeny_store::{BlobHash, FieldKind, Layer, MadeOf, Recording, Store};
 
 use super::copy::num_below;
 use super::{Stack, refused};
 use crate::composite::{self, Compositor, FieldPages as _, Live, Look, Node, RecordingPages, with_groups};
 use crate::progress::report;
+use crate::terrain::find_layer;
 use crate::{Error, Observer, Result};
 
 /// The field that is worked on, and that gates look at: what is below the layer. No terrain has one of this number.
@@ -192,26 +195,49 @@ fn add(page: &mut Page, other: &Page, factor: f32) {
     }
 }
 
-/// Stands for a layer's brush and all visible layers below it, with their settings.
-fn hash_below(layers: &[Layer], layer: &Layer) -> Result<String> {
-    let place = |id: u32| layers.iter().position(|layer| layer.id == id);
-    let is_below = |other: &&Layer| {
-        place(other.id) < place(layer.id) && with_groups(layers, other).all(|layer| layer.visible)
+/// The visible layers below another one, each with the groups that it is in.
+fn below<'a>(layers: &'a [Layer], layer: &Layer) -> Vec<&'a Layer> {
+    let lower = layers.iter().take_while(|other| other.id != layer.id);
+    let is_counted = |other: &&Layer| {
+        let is_visible = with_groups(layers, other).all(|layer| layer.visible);
+        is_visible && other.content != LayerContent::Group
     };
-    let mut basis: Vec<Vec<Layer>> = vec![vec![Layer { made_of: None, ..without_name(layer) }]];
-    for other in layers.iter().filter(is_below).filter(|other| other.content != LayerContent::Group) {
-        basis.push(with_groups(layers, other).map(without_name).collect());
-    }
-    // The layer counts by what it is made of, not by how much it counts.
-    let own = basis.first_mut().and_then(|own| own.first_mut());
-    if let Some(own) = own {
-        (own.opacity, own.visible, own.mask, own.group, own.mask_terms) = (1.0, true, None, None, Vec::new());
-    }
+    lower.filter(is_counted).flat_map(|other| with_groups(layers, other)).collect()
+}
+
+/// The layers that masks of these look at, wherever those lie.
+fn looked_at<'a>(layers: &'a [Layer], by: &[&Layer]) -> Vec<&'a Layer> {
+    let references = by.iter().flat_map(|layer| &layer.mask_terms).filter_map(|term| term.source.layer());
+    references.filter_map(|reference| find_layer(layers, Some(reference)).ok()).collect()
+}
+
+/// Stands for a layer's brush, all visible layers below it with their settings, and the layers that masks of these look at.
+fn hash_below(layers: &[Layer], layer: &Layer) -> Result<String> {
+    // It counts by what it is made of, not by how much it counts.
+    let own = Layer { made_of: None, blend: Blend::default(), mask: None, ..held(layer) };
+    let below = below(layers, layer);
+    let looked_at = looked_at(layers, &below);
+    let basis: Vec<Layer> = std::iter::once(own)
+        .chain(below.into_iter().map(without_name))
+        .chain(looked_at.into_iter().map(held))
+        .collect();
     let text = serde_json::to_vec(&basis).map_err(|err| Error::Operation {
         place: "a layer of the terrain".to_owned(),
         detail: err.to_string(),
     })?;
     Ok(BlobHash::of(&text).to_string())
+}
+
+/// A layer without what is no matter of what it holds: how much that counts, and where it lies in the stack.
+fn held(layer: &Layer) -> Layer {
+    Layer {
+        opacity: 1.0,
+        visible: true,
+        blend: Blend::default(),
+        group: None,
+        mask_terms: Vec::new(),
+        ..without_name(layer)
+    }
 }
 
 fn without_name(layer: &Layer) -> Layer {
@@ -244,17 +270,34 @@ pub(crate) fn is_stale(store: &Store, layer: &Layer) -> Result<bool> {
     if !masked.is_empty() && !region.contains(&masked) {
         return Ok(true);
     }
-    let place = layers.iter().position(|other| other.id == layer.id).unwrap_or_default();
-    for below in
-        layers.iter().take(place).filter(|below| with_groups(layers, below).all(|layer| layer.visible))
-    {
+    let is_newer = |field: FieldId, rect: &SampleRect| -> Result<bool> {
+        Ok(store.newest_revision(field, rect)?.is_some_and(|newest| newest.0 > made_of.entry))
+    };
+    let below = below(layers, layer);
+    for other in below.iter().copied().chain(looked_at(layers, &below)) {
         // A moved layer's pages may lie anywhere.
-        let rect = if below.transform.is_identity() { region } else { store.grid().bounds() };
-        for field in [Some(below.heights), below.mask].into_iter().flatten() {
-            if store.newest_revision(field, &rect)?.is_some_and(|newest| newest.0 > made_of.entry) {
+        let rect = if other.transform.is_identity() { region } else { store.grid().bounds() };
+        for field in [Some(other.heights), other.mask].into_iter().flatten() {
+            if is_newer(field, &rect)? {
                 return Ok(true);
             }
         }
     }
-    Ok(false)
+    let mut selections = store.fields().iter().filter(|(_, field)| field.kind == FieldKind::Selection);
+    // Of its own mask no more counts than where it was painted.
+    let is_by_selection = is_made_by_selection(layer)
+        || below.into_iter().any(|other| is_made_by_selection(other) || is_masked_by_selection(other));
+    match selections.next().filter(|_| is_by_selection) {
+        Some((selection, _)) => is_newer(*selection, &region),
+        None => Ok(false),
+    }
+}
+
+fn is_made_by_selection(layer: &Layer) -> bool {
+    layer.content.procedure().is_some_and(|procedure| crate::apply::needs_selection(&procedure.brush))
+}
+
+fn is_masked_by_selection(layer: &Layer) -> bool {
+    let is_gate = |term: &MaskTerm| matches!(&term.source, MaskSource::Gate(gate) if gate.selection);
+    layer.mask_terms.iter().any(is_gate)
 }
