@@ -28,5 +28,6 @@ mod pictures;
 mod presets;
 mod program;
 mod round_trip;
+mod selecting;
 mod sparse;
 mod travel;

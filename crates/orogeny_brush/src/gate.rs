@@ -156,9 +156,9 @@ impl GatePlan {
     fn multiply_by_image(&self, weights: &mut [f32], x: i32, z: i32) {
         if let Some((bitmap, [x_m, z_m, width_m, depth_m])) = &self.image {
             let spacing_m = self.grid.spacing_m();
-            let first_x = (f64::from(x) * spacing_m - x_m) / width_m;
-            let row_z = (f64::from(z) * spacing_m - z_m) / depth_m;
-            gate::multiply_by_image(weights, bitmap, [first_x, row_z], spacing_m / width_m);
+            // Each by itself: steps from the row's first sample would round otherwise in each part of a row.
+            let x_at = |index: usize| ((f64::from(x) + index as f64) * spacing_m - x_m) / width_m;
+            gate::multiply_by_image(weights, bitmap, x_at, (f64::from(z) * spacing_m - z_m) / depth_m);
         }
     }
 
@@ -264,5 +264,35 @@ fn load(key: &PageKey, store: &mut dyn PageStore) -> Result<Page> {
         Ok(page)
     } else {
         Err(Error::PageSize { expected: layout.size(), actual: page.size() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use orogeny_field::{DataSource, GateImage, hash};
+
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_picture_has_the_bits_of_the_whole() {
+        let values = (0..37 * 11).map(|place| hash::uniform(place, 0, 3).abs()).collect();
+        let bitmap = Arc::new(Bitmap::new(37, 11, values).unwrap());
+        let source = DataSource::File("a.png".to_owned());
+        // Every third sample lies in the middle of a pixel, but for rounding.
+        let image = Some(GateImage { source, region_m: [-1.05, 0.3, 77.7, 50.1] });
+        let grid = TerrainGrid::new(300, 90, 0.7).unwrap();
+        let gate = Gate { image, ..Gate::default() };
+        let plan = GatePlan::new(&gate, grid, FieldId(0), FieldId(0), Some(bitmap)).unwrap();
+        let layout = PageLayout::new(64).unwrap();
+        let whole = plan.plane(layout, grid.bounds(), None, None);
+        for (x0, z0) in (0..120).map(|x0| (x0, 60 + x0 % 30)) {
+            let part = plan.plane(layout, SampleRect::new(x0, z0, 300, 90), None, None);
+            for z in z0..90 {
+                for x in x0..300 {
+                    let [a, b] = [&part, &whole].map(|plane| plane.at(x, z).unwrap().to_bits());
+                    assert_eq!(a, b, "{x}, {z} from {x0}, {z0} on");
+                }
+            }
+        }
     }
 }

@@ -67,7 +67,7 @@ pub use operation::{
 };
 pub use orogeny_field::{
     Blend, BrushType, LayerContent, LayerReference, LayerTransform, MaskTerm, PageKey, Parameter,
-    ParameterKind, Procedure, SampleRect, TerrainGrid,
+    ParameterKind, Procedure, SampleRect, SelectCombine, SelectShape, Selecting, TerrainGrid,
 };
 pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,

@@ -60,9 +60,9 @@ pub fn multiply_by_selection(weights: &mut [f32], selection: &[f32]) {
     }
 }
 
-/// Multiplies a row of weights by a picture laid over the world, bilinear between the middles of its pixels: `first` is where
-/// the row's first sample lies in the picture, 0..1 along both sides, `step` how far one sample goes along x.
-pub fn multiply_by_image(weights: &mut [f32], bitmap: &Bitmap, [first_x, z]: [f64; 2], step: f64) {
+/// Multiplies a row of weights by a picture laid over the world, bilinear between the middles of its pixels: `x_at` says where each
+/// of the row's samples lies in the picture, 0..1, and `z` where the row does.
+pub fn multiply_by_image(weights: &mut [f32], bitmap: &Bitmap, x_at: impl Fn(usize) -> f64, z: f64) {
     let along = |share: f64, size: u32| {
         let place = share * f64::from(size) - 0.5;
         let pixel = place.floor();
@@ -70,7 +70,7 @@ pub fn multiply_by_image(weights: &mut [f32], bitmap: &Bitmap, [first_x, z]: [f6
     };
     let (row, share_z) = along(z, bitmap.height());
     for (index, weight) in weights.iter_mut().enumerate() {
-        let (column, share_x) = along(first_x + index as f64 * step, bitmap.width());
+        let (column, share_x) = along(x_at(index), bitmap.width());
         let (right, below) = (column.saturating_add(1), row.saturating_add(1));
         let upper = lerp(bitmap.pixel(column, row), bitmap.pixel(right, row), share_x);
         let lower = lerp(bitmap.pixel(column, below), bitmap.pixel(right, below), share_x);
@@ -192,7 +192,7 @@ mod tests {
         let bitmap = Bitmap::new(2, 2, vec![0.0, 1.0, 0.5, 0.5]).unwrap();
         let row = |z: f64| {
             let mut weights = [1.0; 5];
-            multiply_by_image(&mut weights, &bitmap, [-0.25, z], 0.25);
+            multiply_by_image(&mut weights, &bitmap, |index| 0.25 * index as f64 - 0.25, z);
             weights
         };
         // Middles of pixels lie at a quarter and three quarters.

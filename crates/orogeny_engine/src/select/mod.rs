@@ -170,7 +170,7 @@ impl Plan {
         Ok(plane)
     }
 
-    /// The shape joined with what was selected before, in rows of pages, so that a gate works out each of its pages once.
+    /// The shape joined with what was selected before, in rows of pages: neither is whole beside what comes of them.
     fn joined(&self, ground: &mut Ground<'_, '_>, rect: SampleRect) -> Result<Plane> {
         let mut joined = Plane::constant(rect, 0.0);
         let (width, size) = (rect.width() as usize, ground.look.layout.size().cast_signed());

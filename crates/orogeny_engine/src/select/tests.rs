@@ -1,11 +1,12 @@
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use orogeny_field::{Blend, FieldId, LayerContent, LayerTransform, PageLayout, hash};
 
 use super::*;
 use crate::composite::FieldPages;
-use crate::{Error, Settings};
+use crate::{Error, Operation, Progress, Quiet, Settings, Terrain};
 
 const HEIGHTS: FieldId = FieldId(1);
 const MASK: FieldId = FieldId(2);
@@ -387,4 +388,67 @@ fn what_a_damaged_selection_holds_counts_as_a_selection() {
     assert!(scene.selected(0, 0).is_nan());
     scene.select(r#"{"shape": {"all": true}, "combine": "intersect", "grow": 0.1}"#).unwrap();
     assert!((0..64).all(|x| scene.selected(x, 9) == expected[(x % 5).unsigned_abs() as usize]));
+}
+
+/// A terrain in a file, level at 0 m.
+fn terrain(folder: &tempfile::TempDir, side: u64) -> Terrain {
+    let settings = Settings { adapter: crate::Adapter::Cpu, ..Settings::default() };
+    let grid = TerrainGrid::new(side, side, 1.0).unwrap();
+    Terrain::create(&folder.path().join("t.orogeny"), grid, 0.0, settings).unwrap()
+}
+
+fn operations(texts: &[&str]) -> Vec<Operation> {
+    texts.iter().map(|text| Operation::from_json_text(text).unwrap()).collect()
+}
+
+/// Notes what it is told, and stops when so many pages are done.
+struct Stopping(u64, Vec<Progress>);
+
+impl Observer for Stopping {
+    fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
+        self.1.push(progress);
+        if progress.done >= self.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+#[test]
+fn it_is_told_how_far_it_is_and_may_be_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut terrain = terrain(&folder, 3000);
+    let all = operations(&[r#"{"op": "select", "shape": {"all": true}}"#]);
+    let mut stopping = Stopping(30, Vec::new());
+    let err = terrain.apply(&all, &mut stopping).unwrap_err();
+    assert!(matches!(err, Error::Cancelled), "{err}");
+    assert!(terrain.log().unwrap().is_empty());
+    let told: Vec<_> = stopping.1.iter().map(|progress| (progress.done, progress.total)).collect();
+    assert_eq!(told, [(0, 144), (16, 144), (32, 144)]);
+    let mut watching = Stopping(u64::MAX, Vec::new());
+    assert_eq!(terrain.apply(&all, &mut watching).unwrap()[0].num_pages, 144);
+    assert_eq!(watching.1.last().map(|progress| progress.done), Some(144));
+    // It is as it was asked to be: no page changes.
+    assert_eq!(terrain.apply(&all, &mut Quiet).unwrap()[0].num_pages, 0);
+}
+
+#[test]
+fn what_is_seen_follows_the_selection_that_a_layer_looks_at() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut terrain = terrain(&folder, 300);
+    let made = operations(&[
+        r#"{"op": "add_layer", "name": "Mesa", "height": 50, "mask": [{"gate": {"selection": true}}]}"#,
+        r#"{"op": "select", "shape": {"rectangle": [20, 20, 100, 100]}}"#,
+    ]);
+    terrain.apply(&made, &mut Quiet).unwrap();
+    let heights = |terrain: &Terrain| {
+        [[30.0, 30.0], [119.0, 119.0], [120.0, 119.0], [129.0, 70.0], [131.0, 70.0]]
+            .map(|place| terrain.height_m(place).unwrap())
+    };
+    assert_eq!(heights(&terrain), [50.0, 50.0, 0.0, 0.0, 0.0]);
+    // Through a gate by the heights that the selection itself makes, as they were before.
+    let higher = r#"{"op": "select", "shape": {"gate": {"height": {"min": 25, "max": 100}}}, "grow": 10}"#;
+    terrain.apply(&operations(&[higher]), &mut Quiet).unwrap();
+    assert_eq!(heights(&terrain), [50.0, 50.0, 50.0, 50.0, 0.0]);
+    terrain.apply(&operations(&[higher, higher]), &mut Quiet).unwrap();
+    assert_eq!(heights(&terrain), [50.0; 5]);
+    terrain.undo(3).unwrap();
+    assert_eq!(heights(&terrain), [50.0, 50.0, 0.0, 0.0, 0.0]);
 }

@@ -1,6 +1,7 @@
 //! `log`: what was done.
 
 mod layers;
+mod select;
 mod summary;
 
 use std::fmt;

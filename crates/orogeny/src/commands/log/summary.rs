@@ -2,12 +2,12 @@
 
 use serde_json::Value;
 
-use super::layers;
+use super::{layers, select};
 use crate::output::count;
 
 /// An operation, as the history records it, in a line.
 pub(super) fn summary(operation: &Value) -> String {
-    if let Some(line) = layers::summary(operation) {
+    if let Some(line) = layers::summary(operation).or_else(|| select::summary(operation)) {
         return line;
     }
     let field = |path: &str| operation.pointer(path);
