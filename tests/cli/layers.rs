@@ -344,6 +344,32 @@ fn masks_are_painted_at_once_faded_and_worked_out() {
 }
 
 #[test]
+fn a_mask_that_a_brush_made_is_made_again_when_that_is_asked_for() {
+    let folder = terrain();
+    folder.apply("t.orogeny", "", &json!([dab("Base")]));
+    folder.succeed("layer add t.orogeny Top --height 8");
+    let high = r#"{"type":"paint_mask","gate":{"height":{"min":105,"max":200}}}"#;
+    folder.succeed(&format!("layer mask t.orogeny Top --brush {high} --seed 3 --scale 0.5"));
+    let seen = || {
+        let plane = heights(&folder);
+        [at(&plane, 30, 40), at(&plane, 70, 70), at(&plane, 10, 10)]
+    };
+    assert_eq!((seen(), layer(&folder, "Top")["is_stale"].clone()), ([114.0, 100.0, 100.0], false.into()));
+    let mut second = dab("Base");
+    second["points"] = json!([[70, 70]]);
+    folder.apply("t.orogeny", "", &json!([second]));
+    assert_eq!((seen(), layer(&folder, "Top")["is_stale"].clone()), ([114.0, 110.0, 100.0], true.into()));
+    folder.succeed("salvage t.orogeny saved.orogeny");
+    folder.succeed("layer refresh t.orogeny Top");
+    assert_eq!((seen(), layer(&folder, "Top")["is_stale"].clone()), ([114.0, 114.0, 100.0], false.into()));
+    assert!(folder.run("log t.orogeny").stdout.contains("set_mask 2, painted by paint_mask, scale 0.5"));
+    // What was saved has no history that would tell what its mask was made of.
+    assert_eq!(folder.succeed("info saved.orogeny")["layers"][1]["is_stale"], true);
+    folder.succeed("layer refresh saved.orogeny Top");
+    assert_eq!(folder.heights_of("saved.orogeny"), heights(&folder));
+}
+
+#[test]
 fn an_effect_that_is_kept_is_worked_out_when_that_is_asked_for() {
     let folder = terrain();
     let slide = r#"{"type":"erode_thermal","talus_angle":20}"#;
@@ -462,6 +488,8 @@ fn wrong_uses_are_refused_and_change_nothing() {
         ("layer move t.orogeny Base --above Inner --bottom", &["--above", "--bottom"]),
         ("layer mask t.orogeny Base", &["--all", "--terms"]),
         ("layer mask t.orogeny Base --all --nothing", &["--all", "--nothing"]),
+        ("layer mask t.orogeny Base --all --brush {}", &["--all", "--brush"]),
+        ("layer mask t.orogeny Base --all --seed 1", &["--all", "--seed"]),
         ("export t.orogeny out.r32 --layer Base --mask Base", &["--layer", "--mask"]),
         ("export t.orogeny out.r32 --selection --mask Base", &["--selection", "--mask"]),
     ] {

@@ -113,8 +113,12 @@ fn copy_layer(
         copy_pages(source, from, field, transaction, salvaged)?;
         mask = Some(field);
     }
-    // What an effect was made of is told by entries of a history that is not copied.
-    Ok(Layer { id: made.id, name, heights: made.heights, mask, made_of: None, ..layer.clone() })
+    let mut copy = Layer { id: made.id, name, heights: made.heights, mask, made_of: None, ..layer.clone() };
+    // What something was made of is told by entries of a history that is not copied.
+    if let Some(made_mask) = &mut copy.made_mask {
+        made_mask.made_of.entry = 0;
+    }
+    Ok(copy)
 }
 
 /// Names other layers by the ids of their copies.
