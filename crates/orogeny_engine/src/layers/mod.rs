@@ -94,7 +94,7 @@ impl Stack<'_, '_> {
             if let Some(procedure) = content.procedure_mut() {
                 let (brush, resources) = resources::load(&procedure.brush, self.recording)?;
                 *procedure.brush = orogeny_brush::resolved(&brush);
-                composite::check(self.grid, self.layout, procedure, resources)?;
+                composite::check(self.grid, self.layout, procedure, resources, self.executor)?;
             }
         }
         if terms.len() > MAX_MASK_TERMS {
