@@ -38,18 +38,18 @@ pub(crate) struct Shares {
     pub(crate) cache_in_bytes: u64,
     /// Pages that were read or painted last.
     pub(crate) recent_in_bytes: u64,
-    /// Pages of the composite that took long to work out, and as much again while they are worked out.
+    /// Pages of the composite that took long to work out, and half as much again while they are worked out.
     pub(crate) composite_in_bytes: u64,
 }
 
 impl Shares {
-    /// Of a whole budget: nine sixteenths of it at least are for painting.
+    /// Of a whole budget: half of it at least are for painting.
     pub(crate) fn of(budget_in_bytes: u64) -> Self {
         let pending_in_bytes = MAX_PENDING_BYTES.min(budget_in_bytes / 8);
         let cache_in_bytes = MAX_CACHE_BYTES.min(budget_in_bytes / 8);
-        let composite_in_bytes = budget_in_bytes / 16;
+        let composite_in_bytes = budget_in_bytes / 8;
         let recent_in_bytes = budget_in_bytes / 16;
-        let others = pending_in_bytes + cache_in_bytes + recent_in_bytes + 2 * composite_in_bytes;
+        let others = pending_in_bytes + cache_in_bytes + recent_in_bytes + composite_in_bytes / 2 * 3;
         let executor_in_bytes = budget_in_bytes - others;
         Self { executor_in_bytes, pending_in_bytes, cache_in_bytes, recent_in_bytes, composite_in_bytes }
     }
@@ -152,8 +152,8 @@ mod tests {
             let budget = mebibytes << 20;
             let shares = Shares::of(budget);
             let Shares { executor_in_bytes, pending_in_bytes, cache_in_bytes, .. } = shares;
-            assert!(executor_in_bytes >= budget / 16 * 9, "{mebibytes} MiB");
-            let kept = shares.recent_in_bytes + 2 * shares.composite_in_bytes;
+            assert!(executor_in_bytes >= budget / 2, "{mebibytes} MiB");
+            let kept = shares.recent_in_bytes + shares.composite_in_bytes / 2 * 3;
             let sum = executor_in_bytes + pending_in_bytes + cache_in_bytes + kept;
             assert_eq!(sum, budget, "{mebibytes} MiB");
         }

@@ -337,7 +337,7 @@ fn check_paintable(operation: &BrushOperation, layers: &[Layer], layer: &Layer) 
 }
 
 /// Whether a brush looks at the terrain's selection.
-fn needs_selection(brush: &Brush) -> bool {
+pub(crate) fn needs_selection(brush: &Brush) -> bool {
     let gates = [brush.gate.as_deref(), brush.hardness.as_deref(), brush.noise.roughness.as_deref()];
     gates.into_iter().flatten().any(|gate| gate.selection)
         || (brush.brush_type == BrushType::Clone && brush.cloning.source.is_selected_only)

@@ -1,6 +1,5 @@
 //! Saving what can be read of a damaged terrain into a new one.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -9,7 +8,9 @@ use orogeny_field::{FieldId, LayerReference, Page, PageKey};
 use crate::database::{Database, companion, has_log};
 use crate::rows::Document;
 use crate::stack::Stack;
-use crate::{Error, Field, FieldKind, Layer, NewLayer, NewTerrain, Result, Store, Transaction, content};
+use crate::{
+    BlobHash, Error, Field, FieldKind, Layer, NewLayer, NewTerrain, Result, Store, Transaction, content,
+};
 
 /// What [`Store::salvage`] saved, and how.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -27,7 +28,7 @@ pub struct Salvaged {
 }
 
 impl Store {
-    /// Copies what can be read of a terrain into a new one at `to`: layers, masks and pages, with what is damaged replaced by
+    /// Copies what can be read of a terrain into a new one at `to`: layers, masks, the selection and pages, with what is damaged replaced by
     /// the best that is left. The history is not copied. The damaged terrain is not changed.
     ///
     /// # Errors
@@ -53,7 +54,17 @@ impl Store {
         let Document { grid, layout, .. } = source.document;
         let mut target = Self::create(to, &NewTerrain { grid, layout, layers: Vec::new() })?;
         let copied = target.begin().and_then(|mut transaction| {
-            copy_layers(&source, &mut transaction, &mut salvaged)?;
+            let mut copies = Copies::default();
+            for layer in &source.stack.layers {
+                copies.copy_layer(&source, layer, &mut transaction, &mut salvaged)?;
+            }
+            copies.join(&source, &mut transaction, &mut salvaged)?;
+            for (field, _) in
+                source.stack.fields.iter().filter(|(_, field)| field.kind == FieldKind::Selection)
+            {
+                let selection = transaction.selection()?;
+                copy_pages(&source, *field, selection, &mut transaction, &mut salvaged)?;
+            }
             let name = from.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let operation = serde_json::json!({ "op": "salvage", "from": name });
             transaction.commit(&operation.to_string(), "")
@@ -78,79 +89,91 @@ fn up_to_date_copy(from: &Path, to: &Path) -> Result<tempfile::TempPath> {
     Ok(copy)
 }
 
-fn copy_layers(source: &Store, transaction: &mut Transaction<'_>, salvaged: &mut Salvaged) -> Result<()> {
-    let mut copies = Vec::new();
-    for layer in &source.stack.layers {
-        copies.push((layer.id, copy_layer(source, layer, transaction, salvaged)?));
-    }
-    let ids: BTreeMap<u32, u32> = copies.iter().map(|(id, copy)| (*id, copy.id)).collect();
-    for (_, mut copy) in copies {
-        refer_to_copies(&mut copy, &ids, salvaged);
-        copy_blobs(source, &copy, transaction, salvaged)?;
-        transaction.set_layer(&copy)?;
-    }
-    Ok(())
+/// Layers that were copied, which do not yet name each other.
+#[derive(Default)]
+struct Copies {
+    /// Each with the id that it had.
+    layers: Vec<(u32, Layer)>,
 }
 
-/// Copies a layer with its pages; it still refers to others by the ids that they had.
-fn copy_layer(
-    source: &Store,
-    layer: &Layer,
-    transaction: &mut Transaction<'_>,
-    salvaged: &mut Salvaged,
-) -> Result<Layer> {
-    let mut name = layer.name.clone();
-    if crate::layer::check_name(&name).is_err() {
-        salvaged.problems.push(format!("layer {} has no name that can be", layer.id));
-        name = format!("Layer {}", layer.id);
-    }
-    let made = transaction.add_layer(&NewLayer { name: name.clone(), constant_m: layer.constant_m })?;
-    copy_pages(source, layer.heights, made.heights, transaction, salvaged)?;
-    let mut mask = None;
-    if let Some(from) = layer.mask {
-        let constant = source.stack.fields.get(&from).map_or(1.0, |field| field.constant);
-        let field = transaction.add_field(Field { kind: FieldKind::Mask, constant })?;
-        copy_pages(source, from, field, transaction, salvaged)?;
-        mask = Some(field);
-    }
-    // What an effect was made of is told by entries of a history that is not copied.
-    Ok(Layer { id: made.id, name, heights: made.heights, mask, made_of: None, ..layer.clone() })
-}
-
-/// Names other layers by the ids of their copies.
-fn refer_to_copies(copy: &mut Layer, ids: &BTreeMap<u32, u32>, salvaged: &mut Salvaged) {
-    copy.group = copy.group.and_then(|group| ids.get(&group).copied());
-    let num_terms = copy.mask_terms.len();
-    copy.mask_terms.retain_mut(|term| match term.source.layer_mut() {
-        Some(LayerReference::Id(id)) => ids.get(id).map(|copied| *id = *copied).is_some(),
-        Some(LayerReference::Name(_)) | None => true,
-    });
-    if copy.mask_terms.len() < num_terms {
-        salvaged
-            .problems
-            .push(format!("the mask of the layer `{}` looks at one that cannot be read", copy.name));
-    }
-}
-
-/// Copies the data from outside that a layer is made of: its state names it.
-fn copy_blobs(
-    source: &Store,
-    layer: &Layer,
-    transaction: &mut Transaction<'_>,
-    salvaged: &mut Salvaged,
-) -> Result<()> {
-    let state = layer.to_state()?;
-    for blob in source.db.blobs().unwrap_or_default().into_iter().flatten() {
-        if !state.contains(&blob.hash.to_string()) {
-            continue;
+impl Copies {
+    fn copy_layer(
+        &mut self,
+        source: &Store,
+        layer: &Layer,
+        transaction: &mut Transaction<'_>,
+        salvaged: &mut Salvaged,
+    ) -> Result<()> {
+        let mut name = layer.name.clone();
+        if crate::layer::check_name(&name).is_err() {
+            salvaged.problems.push(format!("layer {} has no name that can be", layer.id));
+            name = format!("Layer {}", layer.id);
         }
-        let mut bytes = Vec::new();
-        match source.copy_blob(&blob, &mut bytes) {
-            Ok(()) => _ = transaction.keep_blob(&mut bytes.as_slice())?,
-            Err(err) => salvaged.problems.push(format!("what the layer `{}` is made of: {err}", layer.name)),
+        let constant_m = layer.constant_m;
+        let made = transaction.add_layer(&NewLayer { name: name.clone(), constant_m })?;
+        copy_pages(source, layer.heights, made.heights, transaction, salvaged)?;
+        // What an effect was made of goes by entries of the history, which is not copied.
+        let (id, heights) = (made.id, made.heights);
+        let mut copy = Layer { id, name, heights, mask: None, made_of: None, ..layer.clone() };
+        if let Some(mask) = layer.mask {
+            let constant = source.stack.fields.get(&mask).map_or(1.0, |field| field.constant);
+            let field = transaction.add_field(Field { kind: FieldKind::Mask, constant })?;
+            copy_pages(source, mask, field, transaction, salvaged)?;
+            copy.mask = Some(field);
         }
+        if let Some(made_mask) = &mut copy.made_mask {
+            made_mask.made_of.entry = 0;
+        }
+        self.layers.push((layer.id, copy));
+        Ok(())
     }
-    Ok(())
+
+    /// Lets groups and masks name the copies, and copies the data from outside that they are made of.
+    fn join(&self, source: &Store, transaction: &mut Transaction<'_>, salvaged: &mut Salvaged) -> Result<()> {
+        let copy_of = |id: u32| self.layers.iter().find(|(before, _)| *before == id).map(|(_, copy)| copy.id);
+        for (_, copy) in &self.layers {
+            let mut copy = copy.clone();
+            copy.group = copy.group.and_then(copy_of);
+            let num_terms = copy.mask_terms.len();
+            copy.mask_terms.retain_mut(|term| match term.source.layer_mut() {
+                Some(LayerReference::Id(id)) => copy_of(*id).map(|copy| *id = copy).is_some(),
+                Some(LayerReference::Name(_)) => false,
+                None => true,
+            });
+            let name = &copy.name;
+            if copy.mask_terms.len() < num_terms {
+                salvaged
+                    .problems
+                    .push(format!("a layer is lost that the mask of the layer `{name}` looks at"));
+            }
+            let state: serde_json::Value = serde_json::from_str(&copy.to_state()?)
+                .map_err(|err| Error::Operation { detail: err.to_string() })?;
+            for hash in hashes_in(&state) {
+                let mut data = Vec::new();
+                if let Err(err) = source.read_blob(&hash, &mut data) {
+                    // Without it nothing that it is in could be looked at.
+                    salvaged.problems.push(format!("the layer `{name}` is hidden: {err}"));
+                    copy.visible = false;
+                    continue;
+                }
+                transaction.keep_blob(&mut data.as_slice())?;
+            }
+            transaction.set_layer(&copy)?;
+        }
+        Ok(())
+    }
+}
+
+/// The names of all data from outside in a layer's state.
+fn hashes_in(state: &serde_json::Value) -> Vec<BlobHash> {
+    match state {
+        serde_json::Value::Object(object) => {
+            let own = object.get("blake3").and_then(serde_json::Value::as_str).and_then(BlobHash::from_hex);
+            own.into_iter().chain(object.values().flat_map(hashes_in)).collect()
+        }
+        serde_json::Value::Array(list) => list.iter().flat_map(hashes_in).collect(),
+        _ => Vec::new(),
+    }
 }
 
 fn copy_pages(

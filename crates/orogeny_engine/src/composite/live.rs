@@ -149,7 +149,7 @@ pub(super) fn plan_blend(look: &Look<'_>, rect: SampleRect) -> Planned {
     Planned::new(look, Batch::new(pass, look.layout, vec![Instance::EVERYWHERE], vec![rect]), rect)
 }
 
-/// Refuses a layer's brush that cannot be worked out on the terrain.
+/// Refuses a layer's brush that cannot be worked out on the terrain, or by the back end: the composite could not be looked at with it.
 ///
 /// # Errors
 /// [`Error::Brush`], naming its field.
@@ -158,11 +158,17 @@ pub(crate) fn check(
     layout: PageLayout,
     procedure: &Procedure,
     resources: Resources,
+    executor: &mut dyn Executor,
 ) -> Result<()> {
     let canvas = Canvas::heights(grid, layout, GROUND);
     let mut pages = MemoryPages::new(layout, 0.0);
     let rect = SampleRect::new(0, 0, 1, 1);
-    plan_fill(&procedure.brush, procedure.seed, canvas, resources, rect, &mut pages)?;
+    let batch = plan_fill(&procedure.brush, procedure.seed, canvas, resources, rect, &mut pages)?;
+    if matches!(batch.pass.rule, Rule::Custom(_)) {
+        let run = executor.run(&batch, &mut pages).and_then(|()| executor.finish(&mut pages));
+        executor.forget(&[PageKey::full_resolution(GROUND, 0, 0)]);
+        run?;
+    }
     Ok(())
 }
 

@@ -3,11 +3,11 @@
 
 use orogeny_brush::{Canvas, plan_fill};
 use orogeny_field::{
-    Blend, FieldId, LayerContent, LayerTransform, MaskCombine, MaskSource, Page, PageKey, PageLayout,
-    SampleRect, TerrainGrid,
+    Blend, FieldId, LayerContent, LayerTransform, MaskCombine, MaskSource, MaskTerm, Page, PageKey,
+    PageLayout, SampleRect, TerrainGrid,
 };
 use orogeny_pages::{BoxError, PageStore};
-use orogeny_store::{BlobHash, Layer, MadeMask, MadeOf, Recording, Store};
+use orogeny_store::{BlobHash, FieldKind, Layer, MadeMask, MadeOf, Recording, Store};
 
 use super::copy::num_below;
 use super::{Stack, refused};
@@ -258,28 +258,49 @@ fn add(page: &mut Page, other: &Page, factor: f32) {
     }
 }
 
-/// Stands for a layer's brush and all visible layers below it, with their settings.
-fn hash_below(layers: &[Layer], layer: &Layer) -> Result<String> {
-    let place = |id: u32| layers.iter().position(|layer| layer.id == id);
-    let is_below = |other: &&Layer| {
-        place(other.id) < place(layer.id) && with_groups(layers, other).all(|layer| layer.visible)
+/// The visible layers below another one, each with the groups that it is in.
+fn below<'a>(layers: &'a [Layer], layer: &Layer) -> Vec<&'a Layer> {
+    let lower = layers.iter().take_while(|other| other.id != layer.id);
+    let is_counted = |other: &&Layer| {
+        let is_visible = with_groups(layers, other).all(|layer| layer.visible);
+        is_visible && other.content != LayerContent::Group
     };
-    let mut basis: Vec<Vec<Layer>> =
-        vec![vec![Layer { made_of: None, made_mask: None, ..without_name(layer) }]];
-    for other in layers.iter().filter(is_below).filter(|other| other.content != LayerContent::Group) {
-        basis.push(with_groups(layers, other).map(without_name).collect());
-    }
-    // The layer counts by what it is made of, not by how much it counts.
-    let own = basis.first_mut().and_then(|own| own.first_mut());
-    if let Some(own) = own {
-        (own.opacity, own.visible, own.blend, own.mask) = (1.0, true, Blend::default(), None);
-        (own.group, own.mask_terms) = (None, Vec::new());
-    }
+    lower.filter(is_counted).flat_map(|other| with_groups(layers, other)).collect()
+}
+
+/// The layers that masks of these look at, wherever those lie.
+fn looked_at<'a>(layers: &'a [Layer], by: &[&Layer]) -> Vec<&'a Layer> {
+    let references = by.iter().flat_map(|layer| &layer.mask_terms).filter_map(|term| term.source.layer());
+    references.filter_map(|reference| find_layer(layers, Some(reference)).ok()).collect()
+}
+
+/// Stands for a layer's brush, all visible layers below it with their settings, and the layers that masks of these look at.
+fn hash_below(layers: &[Layer], layer: &Layer) -> Result<String> {
+    // It counts by what it is made of, not by how much it counts.
+    let own = Layer { made_of: None, made_mask: None, blend: Blend::default(), mask: None, ..held(layer) };
+    let below = below(layers, layer);
+    let looked_at = looked_at(layers, &below);
+    let basis: Vec<Layer> = std::iter::once(own)
+        .chain(below.into_iter().map(without_name))
+        .chain(looked_at.into_iter().map(held))
+        .collect();
     let text = serde_json::to_vec(&basis).map_err(|err| Error::Operation {
         place: "a layer of the terrain".to_owned(),
         detail: err.to_string(),
     })?;
     Ok(BlobHash::of(&text).to_string())
+}
+
+/// A layer without what is no matter of what it holds: how much that counts, and where it lies in the stack.
+fn held(layer: &Layer) -> Layer {
+    Layer {
+        opacity: 1.0,
+        visible: true,
+        blend: Blend::default(),
+        group: None,
+        mask_terms: Vec::new(),
+        ..without_name(layer)
+    }
 }
 
 fn without_name(layer: &Layer) -> Layer {
@@ -321,18 +342,39 @@ fn is_changed_since(store: &Store, layer: &Layer, made_of: &MadeOf) -> Result<bo
     }
     let [x0, z0, x1, z1] = made_of.region;
     let region = SampleRect::new(x0, z0, x1, z1);
-    let place = layers.iter().position(|other| other.id == layer.id).unwrap_or_default();
-    let is_visible = |below: &&Layer| with_groups(layers, below).all(|layer| layer.visible);
-    let below = layers.iter().take(place).filter(is_visible);
-    let below = below.flat_map(|below| [Some((below, below.heights)), below.mask.map(|mask| (below, mask))]);
+    let is_newer = |field: FieldId, rect: &SampleRect| -> Result<bool> {
+        Ok(store.newest_revision(field, rect)?.is_some_and(|newest| newest.0 > made_of.entry))
+    };
+    let below = below(layers, layer);
+    let fields = below.iter().copied().chain(looked_at(layers, &below));
+    let fields =
+        fields.flat_map(|other| [Some((other, other.heights)), other.mask.map(|mask| (other, mask))]);
     // A mask looks at the layer's own heights, too.
     let own = (layer.content == LayerContent::Heights).then_some((layer, layer.heights));
-    for (from, field) in below.chain([own]).flatten() {
+    for (from, field) in fields.chain([own]).flatten() {
         // A moved layer's pages may lie anywhere.
         let rect = if from.transform.is_identity() { region } else { store.grid().bounds() };
-        if store.newest_revision(field, &rect)?.is_some_and(|newest| newest.0 > made_of.entry) {
+        if is_newer(field, &rect)? {
             return Ok(true);
         }
     }
-    Ok(false)
+    let mut selections = store.fields().iter().filter(|(_, field)| field.kind == FieldKind::Selection);
+    // Of its own mask no more counts than where it was painted.
+    let is_by_selection = is_made_by_selection(layer)
+        || below.into_iter().any(|other| is_made_by_selection(other) || is_masked_by_selection(other));
+    match selections.next().filter(|_| is_by_selection) {
+        Some((selection, _)) => is_newer(*selection, &region),
+        None => Ok(false),
+    }
+}
+
+fn is_made_by_selection(layer: &Layer) -> bool {
+    let of_mask = layer.made_mask.as_ref().map(|made| &made.brush);
+    let brushes = layer.content.procedure().into_iter().chain(of_mask);
+    brushes.into_iter().any(|procedure| crate::apply::needs_selection(&procedure.brush))
+}
+
+fn is_masked_by_selection(layer: &Layer) -> bool {
+    let is_gate = |term: &MaskTerm| matches!(&term.source, MaskSource::Gate(gate) if gate.selection);
+    layer.mask_terms.iter().any(is_gate)
 }

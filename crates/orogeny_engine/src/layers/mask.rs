@@ -35,6 +35,11 @@ impl Stack<'_, '_, '_> {
             MaskFrom::Nothing => (None, 0.0),
             MaskFrom::Selection => (self.recording.known_selection()?, 0.0),
         };
+        // Of what was never painted only the constant counts: a replay need not have the field of a selection that was undone.
+        let from = match from {
+            Some(field) if self.recording.page_keys(field)?.is_empty() => None,
+            from => from,
+        };
         let changed = |value: f32| if set.invert { 1.0 - value } else { value } * set.scale;
         let is_kept = set.from == MaskFrom::Keep && !set.invert && set.scale == 1.0;
         if !is_kept {

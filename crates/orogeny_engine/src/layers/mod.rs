@@ -94,7 +94,7 @@ impl Stack<'_, '_, '_> {
             if let Some(procedure) = content.procedure_mut() {
                 let (brush, resources) = resources::load(&procedure.brush, self.recording)?;
                 *procedure.brush = orogeny_brush::resolved(&brush);
-                composite::check(self.site.grid, self.site.layout, procedure, resources)?;
+                composite::check(self.site.grid, self.site.layout, procedure, resources, self.site.executor)?;
             }
         }
         if terms.len() > MAX_MASK_TERMS {
@@ -103,6 +103,7 @@ impl Stack<'_, '_, '_> {
         }
         for term in terms {
             term.check()?;
+            composite::check_term(self.site.grid, term)?;
             match &mut term.source {
                 MaskSource::Gate(gate) => {
                     resources::keep_image(gate, self.recording)?;

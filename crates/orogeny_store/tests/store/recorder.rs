@@ -88,7 +88,7 @@ fn a_dropped_recording_leaves_no_trace() {
     recording.record("{}".to_owned(), "test").unwrap();
     recording.write_pages(vec![(at, page(2))]).unwrap();
     drop(recording);
-    assert_eq!((read(&recorder, &at), recorder.memory_in_bytes()), (None, 0));
+    assert_eq!((recorder.memory_in_bytes(), read(&recorder, &at)), (0, None));
     let mut recording = recorder.begin().unwrap();
     assert_eq!(recording.layers().len(), 1);
     recording.write_pages(vec![(at, page(3))]).unwrap();

@@ -40,6 +40,9 @@ struct Changes {
     /// holds one, or the name of a preset
     #[arg(long, value_name = "BRUSH", value_parser = brush, group = "from")]
     brush: Option<BrushArgument>,
+    /// Feeds everything random in that brush [default: 0]
+    #[arg(long, value_name = "N", requires = "brush", conflicts_with_all = ["all", "nothing", "selection", "keep"])]
+    seed: Option<u32>,
     /// Turn what is painted then into its opposite
     #[arg(long)]
     invert: bool,
@@ -56,7 +59,7 @@ struct Changes {
 /// # Errors
 /// When the layer is not there, or is locked; nothing was changed then.
 pub(super) fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
-    let Changes { all, nothing, selection, keep: _, brush, invert, scale, terms } = &arguments.changes;
+    let Changes { all, nothing, selection, keep: _, brush, seed, invert, scale, terms } = &arguments.changes;
     let from = match (all, nothing, selection) {
         (true, ..) => MaskFrom::All,
         (_, true, _) => MaskFrom::Nothing,
@@ -66,7 +69,10 @@ pub(super) fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()
     let operation = LayerOperation::SetMask(SetMask {
         layer: arguments.layer.clone(),
         from,
-        brush: brush.as_ref().map(|brush| brush.procedure(0, &session.presets())).transpose()?,
+        brush: brush
+            .as_ref()
+            .map(|brush| brush.procedure(seed.unwrap_or_default(), &session.presets()))
+            .transpose()?,
         invert: *invert,
         scale: scale.unwrap_or(1.0),
         terms: terms.clone().map(|terms| terms.0),

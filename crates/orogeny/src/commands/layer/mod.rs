@@ -44,7 +44,7 @@ enum Action {
     Collapse(collapse::Arguments),
     /// Change where a layer counts
     Mask(mask::Arguments),
-    /// Work out anew an effect that is kept, as erosion is
+    /// Work out anew an effect that is kept, as erosion is, or a mask that a brush made
     Refresh(refresh::Arguments),
 }
 

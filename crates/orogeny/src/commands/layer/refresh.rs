@@ -1,4 +1,4 @@
-//! `layer refresh`: works out anew an effect that is kept.
+//! `layer refresh`: works out anew an effect that is kept, or a mask that a brush made.
 
 use std::path::PathBuf;
 
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
 /// Works it out.
 ///
 /// # Errors
-/// When the layer is not there, is locked, or is no such effect; nothing was changed then.
+/// When the layer is not there, is locked, or has neither; nothing was changed then.
 pub(super) fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let operation = LayerOperation::RefreshLayer(RefreshLayer { layer: arguments.layer.clone() });
     done::run(&arguments.terrain, operation, "worked out", session)
