@@ -44,7 +44,7 @@ pub struct Filter {
 }
 
 /// The widest filter, in samples: about nine times as many are looked at for each sample, both ways.
-const MAX_WIDTH_SAMPLES: f64 = 512.0;
+pub const MAX_WIDTH_SAMPLES: f64 = 512.0;
 
 impl Filter {
     /// The filter of a brush that has one and the same for all instances; erosion takes nothing of what is hard.

@@ -25,3 +25,4 @@ pub(crate) use node::{Live, MAX_GROUP_DEPTH, Node, node, painted_mask, with_grou
 pub(crate) use pages::{FieldPages, RecordingPages, StorePages};
 pub(crate) use rows::{Composite, Source, damage_notice};
 pub(crate) use summary::summary;
+pub(crate) use weights::check_term;

@@ -1,7 +1,8 @@
 //! How much a layer counts where: its opacity times its masks.
 
+use orogeny_brush::filter::MAX_WIDTH_SAMPLES;
 use orogeny_brush::{Executor, GatePlan};
-use orogeny_field::{Plane, SampleRect};
+use orogeny_field::{MaskSource, MaskTerm, Plane, SampleRect, TerrainGrid};
 use orogeny_reference::field::compose;
 use rayon::prelude::*;
 
@@ -10,6 +11,22 @@ use super::content::{cropped, paste, stored};
 use super::live::{self, BELOW, GROUND, PlanePages, Planned};
 use super::node::{Mask, Node, Term, TermSource};
 use crate::Result;
+
+/// Refuses a term of a mask that cannot be worked out on the terrain: the composite could not be looked at with it.
+///
+/// # Errors
+/// [`crate::Error::Field`] or [`crate::Error::Brush`], naming what is wrong.
+pub(crate) fn check_term(grid: TerrainGrid, term: &MaskTerm) -> Result<()> {
+    let high = MAX_WIDTH_SAMPLES * grid.spacing_m();
+    if term.blur_m > high {
+        let (field, value) = ("blur", term.blur_m);
+        return Err(orogeny_field::Error::LayerValue { field, value, low: 0.0, high }.into());
+    }
+    if let MaskSource::Gate(gate) = &term.source {
+        GatePlan::new(gate, grid, BELOW, BELOW, None)?;
+    }
+    Ok(())
+}
 
 /// The samples of what is below that a node's weights within a rectangle look at; none where they do not.
 pub(super) fn needs(look: &mut Look<'_>, node: &Node, rect: SampleRect) -> Result<SampleRect> {

@@ -103,6 +103,7 @@ impl Stack<'_, '_> {
         }
         for term in terms {
             term.check()?;
+            composite::check_term(self.grid, term)?;
             match &mut term.source {
                 MaskSource::Gate(gate) => {
                     resources::keep_image(gate, self.recording)?;
