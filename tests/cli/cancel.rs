@@ -6,6 +6,8 @@ use std::process::{Command, Stdio};
 
 use crate::program::Folder;
 
+const APPLY: &str = "apply t.orogeny endless.json";
+
 /// One fill that goes on for minutes unless it is stopped within.
 const EROSION: &str =
     r#"{"operations": [{"op": "fill", "brush": {"type": "erode_fluvial", "iterations": 600}}]}"#;
@@ -16,7 +18,8 @@ fn endless_recipe() -> String {
     format!(r#"{{"operations": [{}]}}"#, vec![fill; 2000].join(","))
 }
 
-fn interrupt(recipe: &str, marker: &str, signal: &str) {
+/// Stops a command that reads a file `endless.json` of this content.
+fn interrupt(line: &str, endless: &str, marker: &str, signal: &str) {
     let folder = Folder::new();
     folder.succeed("new t.orogeny --size 4096x4096 --spacing 1");
     folder.write(
@@ -24,10 +27,10 @@ fn interrupt(recipe: &str, marker: &str, signal: &str) {
         r#"{"operations": [{"op": "fill", "brush": {"type": "raise"}, "region": [9, 9, 999, 999]}]}"#,
     );
     folder.succeed("apply t.orogeny one.json");
-    folder.write("endless.json", recipe);
+    folder.write("endless.json", endless);
     let before = folder.state();
 
-    let mut command = folder.command("apply t.orogeny endless.json -v --page-budget 8");
+    let mut command = folder.command(&format!("{line} -v --page-budget 8"));
     let mut child = command.stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let mut stderr = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
@@ -49,16 +52,22 @@ fn interrupt(recipe: &str, marker: &str, signal: &str) {
 
 #[test]
 fn ctrl_c_leaves_the_terrain_as_before() {
-    interrupt(&endless_recipe(), "operation 3 of 2000", "INT");
+    interrupt(APPLY, &endless_recipe(), "operation 3 of 2000", "INT");
 }
 
 #[test]
 fn a_request_to_terminate_does_too() {
-    interrupt(&endless_recipe(), "operation 3 of 2000", "TERM");
+    interrupt(APPLY, &endless_recipe(), "operation 3 of 2000", "TERM");
 }
 
 /// Were it heard only once the simulation is over, this test would take many minutes.
 #[test]
 fn ctrl_c_is_heard_within_a_simulation() {
-    interrupt(EROSION, "operation 1 of 1", "INT");
+    interrupt(APPLY, EROSION, "operation 1 of 1", "INT");
+}
+
+#[test]
+fn ctrl_c_is_heard_while_an_effect_is_worked_out() {
+    let brush = r#"{"type": "erode_fluvial", "iterations": 600}"#;
+    interrupt("layer add t.orogeny Rain --effect endless.json", brush, "operation 1 of 1", "INT");
 }

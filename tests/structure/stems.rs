@@ -44,6 +44,7 @@ const STEP_PLACES: [Place; 3] = [
         exceptions: &[
             MODULE,
             ("between", "values between samples, for those that look there"),
+            ("compose", "joins layers, on the CPU"),
             ("coarsen", "makes coarser levels, on the CPU"),
             ("fill_pits", "works on a whole region at once, on the CPU"),
             ("flow", "works on a whole region at once, on the CPU"),

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
-    apply, brushes, check, compact, custom, demo, doctor, export, import, info, jump, log, materials, new,
-    presets, redo, render, replay, salvage, undo,
+    apply, brushes, check, compact, custom, demo, doctor, export, import, info, jump, layer, log, materials,
+    new, presets, redo, render, replay, salvage, undo,
 };
 
 /// A GPU brush engine for heightfields: make, import, brush, undo, draw and export terrains.
@@ -56,6 +56,8 @@ pub enum Command {
     Import(import::Arguments),
     /// Run a recipe: all of its operations or, on an error, none
     Apply(apply::Arguments),
+    /// List and change the layer stack
+    Layer(layer::Arguments),
     /// Take back the last operations, bit for bit
     Undo(undo::Arguments),
     /// Do again what was undone, bit for bit

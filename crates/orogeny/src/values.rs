@@ -3,7 +3,10 @@
 use std::str::FromStr;
 
 use clap::ValueEnum;
-use orogeny_engine::{ByteOrder, Cursor, HeightAt, NodataPolicy, Place, SampleType};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use orogeny_engine::{
+    Blend, ByteOrder, Cursor, HeightAt, LayerReference, MaskTerm, NodataPolicy, Place, SampleType,
+};
 
 /// Two whole numbers, as `4096x2048`.
 ///
@@ -55,6 +58,29 @@ pub fn cursor(text: &str) -> Result<Cursor, String> {
 pub fn sun(text: &str) -> Result<[f64; 2], String> {
     numbers(text, "AZIMUTH,ALTITUDE")
         .map_err(|_| "give two numbers of degrees, as AZIMUTH,ALTITUDE".to_owned())
+}
+
+/// A layer: `#` and its id, or else its name.
+pub fn layer(text: &str) -> Result<LayerReference, std::convert::Infallible> {
+    let id = text.strip_prefix('#').and_then(|id| id.parse().ok());
+    Ok(id.map_or_else(|| LayerReference::Name(text.to_owned()), LayerReference::Id))
+}
+
+/// How a layer joins what is below it, as recipes name it.
+pub fn blend() -> impl TypedValueParser<Value = Blend> {
+    PossibleValuesParser::new(Blend::ALL.map(Blend::name)).try_map(|name| {
+        let blend = Blend::ALL.into_iter().find(|blend| blend.name() == name);
+        blend.ok_or_else(|| format!("there is no blend `{name}`"))
+    })
+}
+
+/// Terms of a mask, in order.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MaskTerms(pub Vec<MaskTerm>);
+
+/// A JSON array of terms, as recipes hold it.
+pub fn mask_terms(text: &str) -> Result<MaskTerms, String> {
+    serde_json::from_str(text).map(MaskTerms).map_err(|err| format!("they are no JSON array of terms: {err}"))
 }
 
 fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
@@ -149,6 +175,25 @@ mod tests {
         assert_eq!(history_budget("0 KiB"), Ok(HistoryBudget(Some(0))));
         for bad in ["", "5", "5MB", "-1MiB", "1.5GiB", "99999999TiB", "GiB"] {
             assert!(history_budget(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn layers_are_named_by_name_or_id() {
+        assert_eq!(layer("#12"), Ok(LayerReference::Id(12)));
+        for name in ["Base", "12", "#", "#twelve", "#-1", "#99999999999", ""] {
+            assert_eq!(layer(name), Ok(LayerReference::Name(name.to_owned())));
+        }
+    }
+
+    #[test]
+    fn terms_are_an_array_and_a_bad_field_is_named() {
+        assert_eq!(mask_terms("[]"), Ok(MaskTerms(Vec::new())));
+        assert_eq!(mask_terms(r#"[{"gate": {"slope": {"min": 20}}, "blur": 5}]"#).unwrap().0.len(), 1);
+        for (bad, word) in
+            [("", "array"), (r#"{"mask": 1}"#, "array"), (r#"[{"mask": 1, "blurr": 5}]"#, "blurr")]
+        {
+            assert!(mask_terms(bad).unwrap_err().contains(word), "{bad}");
         }
     }
 

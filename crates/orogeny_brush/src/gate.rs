@@ -2,14 +2,16 @@
 //!
 //! Gates are worked out on the CPU for both back ends, once for each page of a stroke. They look across page borders.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use orogeny_field::noise::{NoiseFrame, NoiseKernel};
 use orogeny_field::{
-    Band, Bitmap, FieldId, Gate, Page, PageKey, PageLayout, SampleRect, TerrainGrid, mirrored,
+    Band, Bitmap, FieldId, Gate, Page, PageKey, PageLayout, Plane, SampleRect, TerrainGrid, mirrored,
 };
 use orogeny_pages::PageStore;
 use orogeny_reference::gate::{self, Ground};
+use rayon::prelude::*;
 
 use crate::pattern::Pattern;
 use crate::{Error, Result};
@@ -59,20 +61,105 @@ impl GatePlan {
         Ok(Self { gate: gate.clone(), noise, image, grid, heights, selection })
     }
 
-    /// The weights of all pages of a rectangle.
+    /// The weights of all pages of a rectangle; of its samples only, the others are 1.
     ///
     /// # Errors
     /// [`Error::Pages`] when what it looks at cannot be read.
     pub fn pages(&self, rect: &SampleRect, store: &mut dyn PageStore) -> Result<Vec<(SampleRect, Page)>> {
         let layout = store.layout();
-        let mut pages = Vec::new();
+        let mut inputs = Vec::new();
         for (x, z) in layout.pages_in(*rect) {
             // It looks at heights at the same place, whichever field it is for.
             let key = PageKey::full_resolution(self.heights, x, z);
-            let input = self.load(&key, store)?;
-            pages.push((layout.page_rect(&key), self.page(&key, layout, &input)));
+            inputs.push((key, self.load(&key, store)?));
         }
-        Ok(pages)
+        let page = |(key, input): &(PageKey, GateInput)| {
+            let page_rect = layout.page_rect(key);
+            (page_rect, self.part(key, layout, input, &page_rect.intersection(rect)))
+        };
+        Ok(inputs.par_iter().map(page).collect())
+    }
+
+    /// The weights of a rectangle over planes in memory: heights with one sample more about it, as far as the terrain goes, and the
+    /// selection, each where the gate looks at it.
+    #[must_use]
+    pub fn plane(
+        &self,
+        layout: PageLayout,
+        rect: SampleRect,
+        heights: Option<&Plane>,
+        selection: Option<&Plane>,
+    ) -> Plane {
+        let patterns: Vec<(SampleRect, Pattern)> = match &self.noise {
+            Some((kernel, frame, _)) => {
+                let pages: Vec<_> = layout.pages_in(rect).collect();
+                let work_out = |(x, z): &(u32, u32)| {
+                    let page_rect = layout.page_rect(&PageKey::full_resolution(self.heights, *x, *z));
+                    let mut pattern = Pattern::new(layout);
+                    pattern.work_out(kernel, frame, None, &page_rect.intersection(&rect), &page_rect);
+                    (page_rect, pattern)
+                };
+                pages.par_iter().map(work_out).collect()
+            }
+            None => Vec::new(),
+        };
+        let heights = heights.filter(|_| self.gate.needs_heights());
+        let mut plane = Plane::constant(rect, 1.0);
+        let rows = plane.samples_mut().par_chunks_mut(rect.width().max(1) as usize);
+        rows.zip((rect.z0..rect.z1).into_par_iter()).for_each(|(weights, z)| {
+            if let Some(heights) = heights {
+                let [north, here, south] = [z - 1, z, z + 1].map(|z| self.row_around(heights, z, &rect));
+                let (north, here, south) = (&north, &here, &south);
+                let ground = Ground { north, here, south, spacing_m: self.grid.spacing_m() };
+                gate::multiply_by_ground(weights, &self.gate, &ground);
+            }
+            for (page_rect, pattern) in patterns.iter().filter(|(page, _)| (page.z0..page.z1).contains(&z)) {
+                let both = page_rect.intersection(&rect);
+                let [first, end] = [both.x0, both.x1].map(|x| x.abs_diff(page_rect.x0));
+                let to = both.x0.abs_diff(rect.x0) as usize;
+                let values = pattern.values().row(z.abs_diff(page_rect.z0), first, end);
+                let weights = weights.get_mut(to..to + both.width() as usize);
+                if let (Some(weights), Some(values), Some((_, _, band))) = (weights, values, &self.noise) {
+                    gate::multiply_by_band(weights, values, band);
+                }
+            }
+            if let Some(selected) = selection.filter(|_| self.gate.selection).and_then(|plane| plane.row(z)) {
+                let first = plane_column(rect.x0, selection);
+                gate::multiply_by_selection(weights, selected.get(first..).unwrap_or_default());
+            }
+            self.multiply_by_image(weights, rect.x0, z);
+            if self.gate.is_inverted {
+                gate::invert(weights);
+            }
+        });
+        plane
+    }
+
+    /// A row of heights with one sample more at either end, mirrored beyond the terrain.
+    fn row_around<'a>(&self, heights: &'a Plane, z: i32, rect: &SampleRect) -> Cow<'a, [f32]> {
+        let row = heights.row(mirrored(z, self.grid.depth())).unwrap_or_default();
+        let first = heights.rect().x0;
+        let whole = |x0: i32, x1: i32| {
+            let from = usize::try_from(x0 - first).ok()?;
+            row.get(from..from + x1.abs_diff(x0) as usize)
+        };
+        if let Some(whole) = whole(rect.x0 - 1, rect.x1 + 1) {
+            return Cow::Borrowed(whole);
+        }
+        let sample = |x: i32| {
+            let x = mirrored(x, self.grid.width());
+            whole(x, x + 1).and_then(|sample| sample.first()).copied().unwrap_or_default()
+        };
+        (rect.x0 - 1..rect.x1 + 1).map(sample).collect()
+    }
+
+    fn multiply_by_image(&self, weights: &mut [f32], x: i32, z: i32) {
+        if let Some((bitmap, [x_m, z_m, width_m, depth_m])) = &self.image {
+            let spacing_m = self.grid.spacing_m();
+            // Each by itself: steps from the row's first sample would round otherwise in each part of a row.
+            let x_at = |index: usize| ((f64::from(x) + index as f64) * spacing_m - x_m) / width_m;
+            gate::multiply_by_image(weights, bitmap, x_at, (f64::from(z) * spacing_m - z_m) / depth_m);
+        }
     }
 
     /// Loads what the weights of a page are made of.
@@ -88,38 +175,41 @@ impl GatePlan {
 
     /// The weights of a page.
     pub(crate) fn page(&self, key: &PageKey, layout: PageLayout, input: &GateInput) -> Page {
+        self.part(key, layout, input, &layout.page_rect(key))
+    }
+
+    /// The weights of a part of a page.
+    fn part(&self, key: &PageKey, layout: PageLayout, input: &GateInput, part: &SampleRect) -> Page {
         let mut page = Page::constant(layout, 1.0);
         let size = layout.size();
         let origin = layout.page_rect(key);
         let stride = size as usize + 2;
         let noise = self.noise.as_ref().map(|(kernel, frame, band)| {
             let mut pattern = Pattern::new(layout);
-            pattern.work_out(kernel, frame, None, &origin, &origin);
+            pattern.work_out(kernel, frame, None, part, &origin);
             (pattern, band)
         });
-        for z in 0..size {
-            let Some(weights) = page.row_mut(z, 0, size) else { continue };
+        let [first, end] = [part.x0, part.x1].map(|x| x.abs_diff(origin.x0));
+        let columns = first as usize..end as usize + 2;
+        for z in part.z0.abs_diff(origin.z0)..part.z1.abs_diff(origin.z0) {
+            let Some(weights) = page.row_mut(z, first, end) else { continue };
             if let Some(ground) = &input.ground {
-                let mut rows = ground.chunks(stride).skip(z as usize);
+                let rows = ground.chunks(stride).skip(z as usize);
+                let mut rows = rows.filter_map(|row| row.get(columns.clone()));
                 if let (Some(north), Some(here), Some(south)) = (rows.next(), rows.next(), rows.next()) {
                     let ground = Ground { north, here, south, spacing_m: self.grid.spacing_m() };
                     gate::multiply_by_ground(weights, &self.gate, &ground);
                 }
             }
             if let Some((pattern, band)) = &noise
-                && let Some(values) = pattern.values().row(z, 0, size)
+                && let Some(values) = pattern.values().row(z, first, end)
             {
                 gate::multiply_by_band(weights, values, band);
             }
-            if let Some(selected) = input.selection.as_ref().and_then(|page| page.row(z, 0, size)) {
+            if let Some(selected) = input.selection.as_ref().and_then(|page| page.row(z, first, end)) {
                 gate::multiply_by_selection(weights, selected);
             }
-            if let Some((bitmap, [x_m, z_m, width_m, depth_m])) = &self.image {
-                let spacing_m = self.grid.spacing_m();
-                let first_x = (f64::from(origin.x0) * spacing_m - x_m) / width_m;
-                let row_z = ((f64::from(origin.z0) + f64::from(z)) * spacing_m - z_m) / depth_m;
-                gate::multiply_by_image(weights, bitmap, [first_x, row_z], spacing_m / width_m);
-            }
+            self.multiply_by_image(weights, part.x0, origin.z0.saturating_add_unsigned(z));
             if self.gate.is_inverted {
                 gate::invert(weights);
             }
@@ -161,6 +251,11 @@ impl GatePlan {
     }
 }
 
+/// Where a column lies in a plane.
+fn plane_column(x: i32, plane: Option<&Plane>) -> usize {
+    plane.and_then(|plane| usize::try_from(x - plane.rect().x0).ok()).unwrap_or_default()
+}
+
 fn load(key: &PageKey, store: &mut dyn PageStore) -> Result<Page> {
     let layout = store.layout();
     let page = store.load_before(key).map_err(orogeny_pages::Error::Source)?;
@@ -169,5 +264,35 @@ fn load(key: &PageKey, store: &mut dyn PageStore) -> Result<Page> {
         Ok(page)
     } else {
         Err(Error::PageSize { expected: layout.size(), actual: page.size() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use orogeny_field::{DataSource, GateImage, hash};
+
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_picture_has_the_bits_of_the_whole() {
+        let values = (0..37 * 11).map(|place| hash::uniform(place, 0, 3).abs()).collect();
+        let bitmap = Arc::new(Bitmap::new(37, 11, values).unwrap());
+        let source = DataSource::File("a.png".to_owned());
+        // Every third sample lies in the middle of a pixel, but for rounding.
+        let image = Some(GateImage { source, region_m: [-1.05, 0.3, 77.7, 50.1] });
+        let grid = TerrainGrid::new(300, 90, 0.7).unwrap();
+        let gate = Gate { image, ..Gate::default() };
+        let plan = GatePlan::new(&gate, grid, FieldId(0), FieldId(0), Some(bitmap)).unwrap();
+        let layout = PageLayout::new(64).unwrap();
+        let whole = plan.plane(layout, grid.bounds(), None, None);
+        for (x0, z0) in (0..120).map(|x0| (x0, 60 + x0 % 30)) {
+            let part = plan.plane(layout, SampleRect::new(x0, z0, 300, 90), None, None);
+            for z in z0..90 {
+                for x in x0..300 {
+                    let [a, b] = [&part, &whole].map(|plane| plane.at(x, z).unwrap().to_bits());
+                    assert_eq!(a, b, "{x}, {z} from {x0}, {z0} on");
+                }
+            }
+        }
     }
 }

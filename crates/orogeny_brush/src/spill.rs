@@ -1,5 +1,5 @@
-//! Weights of a wash whose page had to make room: a temporary file, so that a wash over any number of pages keeps to the
-//! budget.
+//! Pages that had to make room, such as the weights of a wash: a temporary file, so that a stroke over any number of pages keeps to
+//! the budget.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -11,7 +11,7 @@ use crate::{Error, Result};
 
 /// Pages put aside for the length of one stroke.
 #[derive(Debug)]
-pub(crate) struct Spill {
+pub struct Spill {
     layout: PageLayout,
     /// Made with the first page; the system removes it with the last handle.
     file: Option<File>,
@@ -23,12 +23,17 @@ pub(crate) struct Spill {
 }
 
 impl Spill {
-    pub(crate) fn new(layout: PageLayout) -> Self {
+    /// Puts nothing aside yet.
+    #[must_use]
+    pub fn new(layout: PageLayout) -> Self {
         Self { layout, file: None, offsets: HashMap::new(), free: Vec::new(), end: 0 }
     }
 
     /// Puts a page aside.
-    pub(crate) fn put(&mut self, key: PageKey, page: &Page) -> Result<()> {
+    ///
+    /// # Errors
+    /// [`Error::Spill`] when the temporary file cannot be made or written.
+    pub fn put(&mut self, key: PageKey, page: &Page) -> Result<()> {
         let file = match &mut self.file {
             Some(file) => file,
             none => none.insert(tempfile::tempfile().map_err(failed)?),
@@ -44,7 +49,10 @@ impl Spill {
     }
 
     /// Takes a page back; `None` where there is none.
-    pub(crate) fn take(&mut self, key: &PageKey) -> Result<Option<Page>> {
+    ///
+    /// # Errors
+    /// [`Error::Spill`] when the temporary file cannot be read.
+    pub fn take(&mut self, key: &PageKey) -> Result<Option<Page>> {
         let (Some(offset), Some(file)) = (self.offsets.remove(key), &mut self.file) else { return Ok(None) };
         let mut samples = vec![0.0_f32; self.layout.num_samples()];
         file.seek(SeekFrom::Start(offset)).map_err(failed)?;
@@ -54,7 +62,7 @@ impl Spill {
     }
 
     /// Forgets all pages.
-    pub(crate) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         *self = Self::new(self.layout);
     }
 }

@@ -36,18 +36,22 @@ pub(crate) struct Shares {
     pub(crate) pending_in_bytes: u64,
     /// Pages that the store remembers.
     pub(crate) cache_in_bytes: u64,
-    /// Pages of the composite that took long to work out, and as much again while they are worked out.
+    /// Pages that were read or painted last.
+    pub(crate) recent_in_bytes: u64,
+    /// Pages of the composite that took long to work out, and half as much again while they are worked out.
     pub(crate) composite_in_bytes: u64,
 }
 
 impl Shares {
-    /// Of a whole budget: five eighths of it at least are for painting.
+    /// Of a whole budget: half of it at least are for painting.
     pub(crate) fn of(budget_in_bytes: u64) -> Self {
         let pending_in_bytes = MAX_PENDING_BYTES.min(budget_in_bytes / 8);
         let cache_in_bytes = MAX_CACHE_BYTES.min(budget_in_bytes / 8);
-        let composite_in_bytes = budget_in_bytes / 16;
-        let executor_in_bytes = budget_in_bytes - pending_in_bytes - cache_in_bytes - 2 * composite_in_bytes;
-        Self { executor_in_bytes, pending_in_bytes, cache_in_bytes, composite_in_bytes }
+        let composite_in_bytes = budget_in_bytes / 8;
+        let recent_in_bytes = budget_in_bytes / 16;
+        let others = pending_in_bytes + cache_in_bytes + recent_in_bytes + composite_in_bytes / 2 * 3;
+        let executor_in_bytes = budget_in_bytes - others;
+        Self { executor_in_bytes, pending_in_bytes, cache_in_bytes, recent_in_bytes, composite_in_bytes }
     }
 }
 
@@ -63,7 +67,7 @@ impl Access {
     pub(crate) fn writing(store: Store, budget_in_bytes: u64) -> Result<Self> {
         let shares = Shares::of(budget_in_bytes);
         store.limit_cache(shares.cache_in_bytes);
-        Ok(Self::Write(Recorder::start(store, shares.pending_in_bytes)?))
+        Ok(Self::Write(Recorder::start(store, shares.pending_in_bytes, shares.recent_in_bytes)?))
     }
 
     pub(crate) fn reading(path: &Path) -> Result<Self> {
@@ -146,10 +150,11 @@ mod tests {
     fn the_shares_come_to_the_budget_and_most_of_it_is_for_painting() {
         for mebibytes in [1, 8, 64, 128, 512, 1024, 65_536] {
             let budget = mebibytes << 20;
-            let Shares { executor_in_bytes, pending_in_bytes, cache_in_bytes, composite_in_bytes } =
-                Shares::of(budget);
-            assert!(executor_in_bytes >= budget / 8 * 5, "{mebibytes} MiB");
-            let sum = executor_in_bytes + pending_in_bytes + cache_in_bytes + 2 * composite_in_bytes;
+            let shares = Shares::of(budget);
+            let Shares { executor_in_bytes, pending_in_bytes, cache_in_bytes, .. } = shares;
+            assert!(executor_in_bytes >= budget / 2, "{mebibytes} MiB");
+            let kept = shares.recent_in_bytes + shares.composite_in_bytes / 2 * 3;
+            let sum = executor_in_bytes + pending_in_bytes + cache_in_bytes + kept;
             assert_eq!(sum, budget, "{mebibytes} MiB");
         }
         assert_eq!(Shares::of(1 << 30).cache_in_bytes, MAX_CACHE_BYTES);

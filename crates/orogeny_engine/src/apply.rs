@@ -3,17 +3,22 @@
 use std::time::Instant;
 
 use orogeny_brush::{Batch, Canvas, Executor, Notices, Resources, StrokePlanner, plan_fill, resolved};
-use orogeny_field::{Brush, BrushType, LayerContent, PageLayout, Stroke, TerrainGrid};
+use orogeny_field::{
+    Brush, BrushType, LayerContent, LayerReference, PageKey, PageLayout, SampleRect, Selecting, Stroke,
+    TerrainGrid,
+};
 use orogeny_pages::PageStore as _;
 use orogeny_store::{EntryId, Layer, Recording};
 
 use crate::clone_source;
-use crate::composite::Compositor;
+use crate::composite::{Change, Compositor};
 use crate::layers::{Changed, Stack, refuse_locked, refused};
-use crate::operation::{BrushOperation, LayerOperation};
+use crate::operation::{self, BrushOperation, LayerOperation};
 use crate::pages::RecordedPages;
 use crate::progress::report;
 use crate::resources;
+use crate::seen::{SEEN, Seen, keeps_difference, works_on_heights};
+use crate::select;
 use crate::terrain::{Parts, find_layer};
 use crate::{Error, Observer, Operation, Result, Target, Terrain};
 
@@ -44,13 +49,21 @@ pub struct Applied {
 }
 
 /// What running operations needs.
-struct Site<'a> {
-    grid: TerrainGrid,
-    layout: PageLayout,
-    author: &'a str,
-    executor: &'a mut dyn Executor,
-    compositor: &'a mut Compositor,
-    observer: &'a mut dyn Observer,
+pub(crate) struct Site<'a> {
+    pub(crate) grid: TerrainGrid,
+    pub(crate) layout: PageLayout,
+    pub(crate) executor: &'a mut dyn Executor,
+    pub(crate) compositor: &'a mut Compositor,
+    pub(crate) observer: &'a mut dyn Observer,
+}
+
+/// What was painted.
+pub(crate) struct Painted {
+    /// With all that had to be found out for it found out.
+    operation: BrushOperation,
+    notices: Notices,
+    /// The pages that changed.
+    pub(crate) pages: Vec<PageKey>,
 }
 
 impl Terrain {
@@ -125,8 +138,8 @@ impl Terrain {
         let Parts { recorder, executor, compositor } = self.parts()?;
         let (grid, layout) = (recorder.on_disk()?.grid(), recorder.on_disk()?.layout());
         let result = recorder.begin().map_err(Error::from).and_then(|mut recording| {
-            let mut site = Site { grid, layout, author: &author, executor, compositor, observer };
-            let applied = apply_all(operations, &mut site, &mut recording)?;
+            let mut site = Site { grid, layout, executor, compositor, observer };
+            let applied = apply_all(operations, &author, &mut site, &mut recording)?;
             match after {
                 After::Commit => recording.finish()?,
                 // Whether what was handed over could be written is known when all of it was.
@@ -155,6 +168,7 @@ enum After {
 /// Runs operations one after another.
 fn apply_all(
     operations: &[Operation],
+    author: &str,
     site: &mut Site<'_>,
     recording: &mut Recording<'_>,
 ) -> Result<Vec<Applied>> {
@@ -164,8 +178,9 @@ fn apply_all(
         let brush = operation.brush().map_or("", |brush| brush.brush_type.name());
         tracing::info!("operation {number} of {count}: {} {brush}", operation.name());
         let one = match operation {
-            Operation::Brush(operation) => apply_brush(operation, site, recording),
-            Operation::Layers(operation) => apply_layers(operation, site, recording),
+            Operation::Brush(operation) => apply_brush(operation, author, site, recording),
+            Operation::Layers(operation) => apply_layers(operation, author, site, recording),
+            Operation::Select(selecting) => apply_select(selecting, author, site, recording),
         };
         applied.push(one.map_err(|err| match err {
             Error::Cancelled => Error::Cancelled,
@@ -177,73 +192,126 @@ fn apply_all(
 
 fn apply_brush(
     operation: &BrushOperation,
+    author: &str,
     site: &mut Site<'_>,
     recording: &mut Recording<'_>,
 ) -> Result<Applied> {
     let start = Instant::now();
-    let layer = find_layer(recording.layers(), operation.layer())?.clone();
-    check_paintable(operation, recording.layers(), &layer)?;
-    let (mut brush, mut resources) = resources::load(operation.brush(), recording)?;
-    resources.clone_ground = clone_source::load(operation, &mut brush, &layer, &site.grid, recording)?;
-    let operation = &operation.clone().with_brush(resolved(&brush));
-    let canvas = canvas(operation, &layer, site, recording)?;
-    let mut pages = RecordedPages::new(recording, site.layout);
-    let Site { executor, observer, .. } = site;
-    let result = match operation {
-        BrushOperation::Stroke { stroke, .. } => {
-            run_stroke(stroke, canvas, resources, *executor, &mut pages, *observer)
-        }
-        BrushOperation::Fill { brush, seed, region_m, .. } => {
-            let region = match region_m {
-                Some(region_m) => site.grid.samples_in_region(*region_m)?,
-                None => site.grid.bounds(),
-            };
-            let batch = plan_fill(brush, *seed, canvas, resources, region, &mut pages)?;
-            let total = batch.pages.len() as u64;
-            run_batch(batch, *executor, &mut pages, |done| report(*observer, "filling", done, total))
-        }
-    };
-    let result = result.and_then(|()| Ok(executor.finish(&mut pages)?));
-    let saved = pages.into_saved();
-    let (num_pages, notices) = (saved.len(), result?);
-    site.compositor.forget(&site.grid, site.layout, &saved);
-    let entry = recording.record(operation.to_recorded_json(layer.id)?, site.author)?;
+    let layer = find_layer(recording.layers(), operation.layer())?.id;
+    let Painted { operation, notices, pages } = paint(operation, site, recording)?;
+    let entry = recording.record(operation.to_recorded_json(layer)?, author)?;
     Ok(Applied {
         entry,
         operation: operation.name(),
         brush: Some(operation.brush().brush_type),
         made_layer: None,
-        num_pages,
+        num_pages: pages.len(),
         elapsed_s: start.elapsed().as_secs_f64(),
         notices,
     })
 }
 
+/// Applies a brush, as a part of the entry that is recorded next.
+///
+/// # Errors
+/// [`Error::UnknownLayer`], [`Error::LayerLocked`], [`Error::LayerRefused`]; what the brush cannot be done for; [`Error::Cancelled`].
+pub(crate) fn paint(
+    operation: &BrushOperation,
+    site: &mut Site<'_>,
+    recording: &mut Recording<'_>,
+) -> Result<Painted> {
+    let layer = find_layer(recording.layers(), operation.layer())?.clone();
+    check_paintable(operation, recording.layers(), &layer)?;
+    let (mut brush, mut resources) = resources::load(operation.brush(), recording)?;
+    let mut canvas = canvas(operation, &layer, site, recording)?;
+    // The layer may have got a mask.
+    let layer = find_layer(recording.layers(), Some(&LayerReference::Id(layer.id)))?.clone();
+    let Site { grid, layout, executor, observer, compositor, .. } = site;
+    let seen = match operation.target() {
+        // Its own heights are asked for.
+        Target::Heights => None,
+        target => Seen::of(&layer, target == Target::Selection, *grid, compositor, recording)?,
+    };
+    if seen.is_some() {
+        canvas.heights = SEEN;
+        let brush_type = operation.brush().brush_type;
+        if operation.target() == Target::Seen && works_on_heights(brush_type) && keeps_difference(&layer) {
+            canvas.field = SEEN;
+        }
+    }
+    resources.clone_ground = clone_source::load(operation, &mut brush, canvas.field, grid, recording)?;
+    let operation = operation.clone().with_brush(resolved(&brush));
+    let mut pages = RecordedPages::new(recording, *layout).with_seen(seen);
+    let mut changed = SampleRect::EMPTY;
+    let result = match &operation {
+        BrushOperation::Stroke { stroke, .. } => {
+            run_stroke(stroke, canvas, resources, *executor, &mut pages, *observer, &mut changed)
+        }
+        BrushOperation::Fill { brush, seed, region_m, .. } => {
+            let region = match region_m {
+                Some(region_m) => grid.samples_in_region(*region_m)?,
+                None => grid.bounds(),
+            };
+            let batch = plan_fill(brush, *seed, canvas, resources, region, &mut pages)?;
+            let total = batch.pages.len() as u64;
+            note_changed(&batch, &mut changed);
+            run_batch(batch, *executor, &mut pages, |done| report(*observer, "filling", done, total))
+        }
+    };
+    let result = result.and_then(|()| Ok(executor.finish(&mut pages)?));
+    let (saved, asked_for) = pages.into_saved();
+    let notices = result?;
+    executor.forget(&asked_for);
+    // What it has of the layer itself was changed beside it.
+    if canvas.field == SEEN {
+        executor.forget(&saved);
+    }
+    // What is seen is kept by the layer.
+    let field = if canvas.field == SEEN { layer.heights } else { canvas.field };
+    site.compositor.forget(&site.grid, site.layout, &[Change { field, rect: changed }]);
+    Ok(Painted { operation, notices, pages: saved })
+}
+
 fn apply_layers(
     operation: &LayerOperation,
+    author: &str,
     site: &mut Site<'_>,
     recording: &mut Recording<'_>,
 ) -> Result<Applied> {
     let start = Instant::now();
-    let mut stack = Stack {
-        grid: site.grid,
-        layout: site.layout,
-        recording,
-        compositor: site.compositor,
-        executor: site.executor,
-        observer: site.observer,
-        written: Vec::new(),
-    };
+    let mut stack = Stack { site, recording, written: Vec::new() };
     let Changed { recorded, made_layer } = stack.apply(operation)?;
     let written = std::mem::take(&mut stack.written);
     site.executor.forget(&written);
-    site.compositor.forget(&site.grid, site.layout, &written);
-    let entry = recording.record(recorded.to_json()?, site.author)?;
+    site.compositor.forget(&site.grid, site.layout, &Change::of_pages(site.layout, &written));
+    let entry = recording.record(recorded.to_json()?, author)?;
     Ok(Applied {
         entry,
         operation: recorded.name(),
         brush: recorded.content().and_then(|content| Some(content.procedure()?.brush.brush_type)),
         made_layer,
+        num_pages: written.len(),
+        elapsed_s: start.elapsed().as_secs_f64(),
+        notices: Notices::default(),
+    })
+}
+
+fn apply_select(
+    selecting: &Selecting,
+    author: &str,
+    site: &mut Site<'_>,
+    recording: &mut Recording<'_>,
+) -> Result<Applied> {
+    let start = Instant::now();
+    let (recorded, written) = select::run(selecting, site.grid, recording, site.compositor, site.observer)?;
+    site.executor.forget(&written);
+    site.compositor.forget(&site.grid, site.layout, &Change::of_pages(site.layout, &written));
+    let entry = recording.record(operation::select::to_json(&recorded)?, author)?;
+    Ok(Applied {
+        entry,
+        operation: operation::select::NAME,
+        brush: None,
+        made_layer: None,
         num_pages: written.len(),
         elapsed_s: start.elapsed().as_secs_f64(),
         notices: Notices::default(),
@@ -291,11 +359,11 @@ fn canvas(
     };
     let selection = selection.unwrap_or(heights.selection);
     let field = match operation.target() {
-        Target::Heights => layer.heights,
+        Target::Seen | Target::Heights => layer.heights,
         Target::Mask => recording.with_mask(layer)?.mask.unwrap_or(layer.heights),
         Target::Selection => selection,
     };
-    Ok(Canvas { field, is_mask: operation.target() != Target::Heights, selection, ..heights })
+    Ok(Canvas { field, is_mask: !operation.target().is_heights(), selection, ..heights })
 }
 
 fn run_stroke(
@@ -305,6 +373,7 @@ fn run_stroke(
     executor: &mut dyn Executor,
     pages: &mut RecordedPages<'_, '_>,
     observer: &mut dyn Observer,
+    changed: &mut SampleRect,
 ) -> Result<()> {
     stroke.check(&canvas.grid)?;
     let mut planner = StrokePlanner::new(&stroke.brush, stroke.seed, canvas, resources)?;
@@ -315,9 +384,17 @@ fn run_stroke(
     let mut num_instances = 0;
     while let Some(batch) = planner.next_batch(pages, BATCH_INSTANCES)? {
         num_instances += batch.instances.len() as u64;
+        note_changed(&batch, changed);
         run_batch(batch, executor, pages, |_| report(observer, "painting", num_instances, 0))?;
     }
     Ok(())
+}
+
+/// Adds the samples that a batch may change.
+fn note_changed(batch: &Batch, changed: &mut SampleRect) {
+    for work in &batch.pages {
+        *changed = changed.bounds_with(&work.rect);
+    }
 }
 
 /// Runs a batch piece by piece. `tell` gets the pages done so far and may cancel; it is asked before the first piece too, so

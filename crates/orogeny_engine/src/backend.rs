@@ -81,7 +81,7 @@ pub(crate) fn executor(settings: &Settings, layout: PageLayout) -> Result<Box<dy
 
 /// Makes the executor that works out brushes of layers: beside the one that paints, whose stroke may look at them.
 pub(crate) fn composite_executor(settings: &Settings, layout: PageLayout) -> Result<Box<dyn Executor>> {
-    let budget_in_bytes = Shares::of(settings.page_budget_in_bytes).composite_in_bytes;
+    let budget_in_bytes = Shares::of(settings.page_budget_in_bytes).composite_in_bytes / 2;
     executor_within(budget_in_bytes.max(MIN_COMPOSITE_PAGES * layout.size_in_bytes()), settings, layout)
 }
 

@@ -5,13 +5,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use orogeny_brush::CloneGround;
-use orogeny_field::{Alignment, Brush, BrushType, DataSource, Placement, Plane, SampleRect, TerrainGrid};
+use orogeny_field::{
+    Alignment, Brush, BrushType, DataSource, FieldId, LayerContent, Placement, Plane, SampleRect, TerrainGrid,
+};
 use orogeny_formats::{ExportOptions, ImportOptions};
 use orogeny_store::{Layer, Recording};
 use tempfile::TempDir;
 
 use crate::access::{Access, band_bytes};
 use crate::composite::{Composite, Compositor, Source};
+use crate::layers::refused;
 use crate::operation::BrushOperation;
 use crate::resources;
 use crate::terrain::find_layer;
@@ -32,7 +35,7 @@ const TERRAIN_ENDING: &str = "orogeny";
 pub(crate) fn load(
     operation: &BrushOperation,
     brush: &mut Brush,
-    layer: &Layer,
+    painted: FieldId,
     grid: &TerrainGrid,
     recording: &mut Recording<'_>,
 ) -> Result<Option<CloneGround>> {
@@ -40,16 +43,15 @@ pub(crate) fn load(
         return Ok(None);
     }
     let Some(data) = brush.cloning.source.data.clone() else {
-        let reference = brush.cloning.source.layer.clone();
-        let from = match &reference {
-            Some(reference) => find_layer(recording.layers(), Some(reference))?.clone(),
-            None => layer.clone(),
+        let Some(reference) = brush.cloning.source.layer.clone() else {
+            // What is painted on itself.
+            return Ok(Some(CloneGround::Field(painted)));
         };
-        if reference.is_some() {
-            brush.cloning.source.layer = Some(LayerReference::Id(from.id));
-        }
+        let from = find_layer(recording.layers(), Some(&reference))?.clone();
+        brush.cloning.source.layer = Some(LayerReference::Id(from.id));
+        check_cloneable(&from, operation.target())?;
         let field = match operation.target() {
-            Target::Heights => from.heights,
+            Target::Seen | Target::Heights => from.heights,
             Target::Mask => recording.with_mask(&from)?.mask.unwrap_or(from.heights),
             Target::Selection => recording.selection()?,
         };
@@ -79,6 +81,17 @@ pub(crate) fn load(
         }
     };
     Ok(Some(CloneGround::Raster { heights: Arc::new(plane), spacing_m }))
+}
+
+/// Refuses a layer whose heights, or whose mask, are not stored where they lie.
+fn check_cloneable(from: &Layer, target: Target) -> Result<()> {
+    let is_made = from.content != LayerContent::Heights && target.is_heights();
+    let is_moved = !from.transform.is_identity() && target != Target::Selection;
+    if is_made || is_moved {
+        let why = "it is not made of heights that lie where they are: collapse it first".to_owned();
+        return Err(refused(from, "cloned", why));
+    }
+    Ok(())
 }
 
 /// A part of data from outside.

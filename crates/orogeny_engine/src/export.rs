@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use orogeny_field::{LayerContent, SampleRect};
 use orogeny_formats::ExportOptions;
 
-use crate::composite::Source;
+use crate::access::Access;
+use crate::composite::{Look, RecorderPages, Source, read};
 use crate::layers::refused;
 use crate::progress::report;
 use crate::{Error, LayerReference, Observer, Result, Terrain};
@@ -94,7 +95,7 @@ impl Terrain {
     }
 
     /// The heights of a region at a level, row by row, or a layer's, or how much counts where, as [`Self::export`] writes them; with
-    /// the samples along x and z.
+    /// the samples along x and z. At full resolution it does not wait for what is on its way to the disk.
     ///
     /// # Errors
     /// [`Error::OutsideTerrain`], [`Error::UnknownLevel`], [`Error::UnknownLayer`], [`Error::Store`].
@@ -105,8 +106,16 @@ impl Terrain {
         level: u8,
     ) -> Result<(u32, u32, Vec<f32>)> {
         let rect = self.region_at(region_m, level)?;
+        let source = self.source(source)?;
+        if let (0, Access::Write(recorder)) = (level, self.access()) {
+            let mut pages = RecorderPages(recorder);
+            let mut look = Look::new(self.grid(), level, &mut pages)?;
+            let layers = recorder.on_disk()?.layers();
+            let plane = read(&mut self.compositor().borrow_mut(), layers, &mut look, source, rect)?;
+            return Ok((rect.width(), rect.depth(), plane.into_samples()));
+        }
         let mut heights = vec![0.0; usize::try_from(rect.area()).unwrap_or_default()];
-        self.composite(self.source(source)?, level, rect)?.read_rows(&mut heights)?;
+        self.composite(source, level, rect)?.read_rows(&mut heights)?;
         Ok((rect.width(), rect.depth(), heights))
     }
 

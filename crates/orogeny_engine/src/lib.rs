@@ -46,6 +46,8 @@ mod progress;
 mod relief;
 mod replay;
 mod resources;
+mod seen;
+mod select;
 mod terrain;
 mod view;
 mod whole_file;
@@ -65,7 +67,7 @@ pub use operation::{
 };
 pub use orogeny_field::{
     Blend, BrushType, LayerContent, LayerReference, LayerTransform, MaskTerm, PageKey, Parameter,
-    ParameterKind, SampleRect, TerrainGrid,
+    ParameterKind, Procedure, SampleRect, SelectCombine, SelectShape, Selecting, TerrainGrid,
 };
 pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,

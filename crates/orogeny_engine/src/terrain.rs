@@ -10,7 +10,7 @@ use orogeny_store::{CheckReport, Layer, NewLayer, NewTerrain, Recorder, Repaired
 
 use crate::access::{Access, band_bytes, open_to_write, up_to_date};
 use crate::backend::{self, Settings};
-use crate::composite::{Composite, Compositor, Node, Source, StorePages};
+use crate::composite::{Change, Composite, Compositor, Node, Source, StorePages};
 use crate::{Error, LayerReference, Result};
 
 /// The name of the layer that a new terrain has.
@@ -203,7 +203,10 @@ impl Terrain {
     pub(crate) fn forget_composite(&mut self, keys: &[PageKey]) {
         let layout = self.access.on_disk().map(Store::layout);
         match layout {
-            Ok(layout) => self.compositor.get_mut().forget(&self.grid, layout, keys),
+            Ok(layout) => {
+                let changes = Change::of_pages(layout, keys);
+                self.compositor.get_mut().forget(&self.grid, layout, &changes);
+            }
             Err(_) => self.compositor.get_mut().forget_all(),
         }
     }
@@ -262,6 +265,10 @@ impl Terrain {
             self.compositor.borrow_mut().at_commit(store.num_commits()?);
         }
         Ok(Composite::new(store, &self.compositor, source, level, rect, max_band_bytes))
+    }
+
+    pub(crate) const fn access(&self) -> &Access {
+        &self.access
     }
 
     pub(crate) const fn compositor(&self) -> &RefCell<Compositor> {

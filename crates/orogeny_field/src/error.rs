@@ -7,6 +7,21 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// A selection of no shape, or of several.
+    #[error(
+        "the `shape` of a selection is one of `all`, `nothing`, `keep`, `rectangle`, `lasso`, `gate` and `mask`, alone"
+    )]
+    SelectShape,
+    /// A field of a selection whose value cannot be used.
+    #[error("`{field}` = {value} of a selection cannot be used: {limit}")]
+    SelectValue {
+        /// Which one; one within the shape as in `shape.region`.
+        field: String,
+        /// What was given.
+        value: String,
+        /// What is allowed.
+        limit: String,
+    },
     /// A terrain of no samples, or of too many. Choose a size within the limit.
     #[error("a terrain of {width} x {depth} samples cannot be made: each side takes 1 to {limit} samples")]
     TerrainSize {

@@ -38,6 +38,7 @@ mod page;
 mod placement;
 mod plane;
 mod rect;
+mod selecting;
 mod stroke;
 
 pub use bitmap::{Bitmap, MAX_BITMAP_SIDE};
@@ -70,4 +71,8 @@ pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
 pub use placement::{Part, Place, Placement, Placing};
 pub use plane::{Plane, mirrored};
 pub use rect::SampleRect;
+pub use selecting::{
+    MAX_FEATHER_SAMPLES, MAX_GROW_SAMPLES, MAX_LASSO_POINTS, SelectCombine, SelectLengths, SelectShape,
+    Selecting,
+};
 pub use stroke::{MAX_COORDINATE_SAMPLES, MAX_STROKE_POINTS, PointerSample, Stroke};

@@ -62,6 +62,13 @@ impl Plane {
 
     /// All values, channel by channel, row by row.
     #[must_use]
+    pub fn into_samples(mut self) -> Vec<f32> {
+        self.memory.truncate(num_values(&self.rect, self.num_channels));
+        self.memory
+    }
+
+    /// All values, channel by channel, row by row.
+    #[must_use]
     pub fn samples(&self) -> &[f32] {
         self.memory.get(..num_values(&self.rect, self.num_channels)).unwrap_or_default()
     }

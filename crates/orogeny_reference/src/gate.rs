@@ -20,6 +20,7 @@ pub struct Ground<'a> {
 
 /// Multiplies a row of weights by what a gate makes of the ground.
 pub fn multiply_by_ground(weights: &mut [f32], gate: &Gate, ground: &Ground<'_>) {
+    let slope = gate.slope_deg.as_ref().map(SlopeBand::new);
     let rows = ground.here.windows(3).zip(ground.north.iter().skip(1).zip(ground.south.iter().skip(1)));
     for (weight, (here, (north, south))) in weights.iter_mut().zip(rows) {
         let &[west, centre, east] = here else { continue };
@@ -27,13 +28,12 @@ pub fn multiply_by_ground(weights: &mut [f32], gate: &Gate, ground: &Ground<'_>)
         let (north, south) = (f64::from(*north), f64::from(*south));
         let slope_x = (east - west) / (2.0 * ground.spacing_m);
         let slope_z = (south - north) / (2.0 * ground.spacing_m);
-        let steepness = slope_x.hypot(slope_z);
         let mut through = 1.0;
         if let Some(band) = &gate.height_m {
             through *= within(centre, band);
         }
-        if let Some(band) = &gate.slope_deg {
-            through *= within(steepness.atan().to_degrees(), band);
+        if let Some(band) = &slope {
+            through *= band.through(slope_x, slope_z);
         }
         if let Some(aspect) = &gate.aspect {
             through *= facing([-slope_x, -slope_z], aspect);
@@ -60,9 +60,9 @@ pub fn multiply_by_selection(weights: &mut [f32], selection: &[f32]) {
     }
 }
 
-/// Multiplies a row of weights by a picture laid over the world, bilinear between the middles of its pixels: `first` is where
-/// the row's first sample lies in the picture, 0..1 along both sides, `step` how far one sample goes along x.
-pub fn multiply_by_image(weights: &mut [f32], bitmap: &Bitmap, [first_x, z]: [f64; 2], step: f64) {
+/// Multiplies a row of weights by a picture laid over the world, bilinear between the middles of its pixels: `x_at` says where each
+/// of the row's samples lies in the picture, 0..1, and `z` where the row does.
+pub fn multiply_by_image(weights: &mut [f32], bitmap: &Bitmap, x_at: impl Fn(usize) -> f64, z: f64) {
     let along = |share: f64, size: u32| {
         let place = share * f64::from(size) - 0.5;
         let pixel = place.floor();
@@ -70,7 +70,7 @@ pub fn multiply_by_image(weights: &mut [f32], bitmap: &Bitmap, [first_x, z]: [f6
     };
     let (row, share_z) = along(z, bitmap.height());
     for (index, weight) in weights.iter_mut().enumerate() {
-        let (column, share_x) = along(first_x + index as f64 * step, bitmap.width());
+        let (column, share_x) = along(x_at(index), bitmap.width());
         let (right, below) = (column.saturating_add(1), row.saturating_add(1));
         let upper = lerp(bitmap.pixel(column, row), bitmap.pixel(right, row), share_x);
         let lower = lerp(bitmap.pixel(column, below), bitmap.pixel(right, below), share_x);
@@ -96,6 +96,44 @@ pub fn within(value: f64, band: &Band) -> f64 {
     } else {
         let t = 1.0 - outside / band.feather;
         t * t * (3.0 - 2.0 * t)
+    }
+}
+
+/// A band over slopes in degrees, with what of it needs no angle: squares of tangents, a little inside the band's ends and a little outside
+/// its feathers, so that what is certain is what the angle itself would give.
+struct SlopeBand<'a> {
+    band: &'a Band,
+    within: [f64; 2],
+    beyond: [f64; 2],
+}
+
+impl<'a> SlopeBand<'a> {
+    fn new(band: &'a Band) -> Self {
+        const MARGIN: f64 = 1.0e-9;
+        let squared = |degrees: f64| match degrees {
+            ..=0.0 => 0.0,
+            90.0.. => f64::INFINITY,
+            degrees => degrees.to_radians().tan().powi(2),
+        };
+        let ends = |feather: f64, margin: f64| {
+            let low = squared(band.min - feather) * (1.0 + margin);
+            // Level ground is steep by nothing at all.
+            let low = if band.min - feather <= 0.0 { -1.0 } else { low };
+            [low, squared(band.max + feather) * (1.0 - margin)]
+        };
+        Self { band, within: ends(0.0, MARGIN), beyond: ends(band.feather, -MARGIN) }
+    }
+
+    fn through(&self, slope_x: f64, slope_z: f64) -> f64 {
+        let squared = slope_x * slope_x + slope_z * slope_z;
+        let ([low, high], [lowest, highest]) = (self.within, self.beyond);
+        if squared > low && squared < high {
+            1.0
+        } else if squared < lowest || squared > highest {
+            0.0
+        } else {
+            within(slope_x.hypot(slope_z).atan().to_degrees(), self.band)
+        }
     }
 }
 
@@ -154,13 +192,32 @@ mod tests {
         let bitmap = Bitmap::new(2, 2, vec![0.0, 1.0, 0.5, 0.5]).unwrap();
         let row = |z: f64| {
             let mut weights = [1.0; 5];
-            multiply_by_image(&mut weights, &bitmap, [-0.25, z], 0.25);
+            multiply_by_image(&mut weights, &bitmap, |index| 0.25 * index as f64 - 0.25, z);
             weights
         };
         // Middles of pixels lie at a quarter and three quarters.
         assert_eq!(row(0.25), [0.0, 0.0, 0.0, 0.5, 1.0]);
         assert_eq!(row(0.75), [0.5; 5]);
         assert_eq!(row(-3.0), row(0.25));
+    }
+
+    #[test]
+    fn slopes_that_need_no_angle_are_what_the_angle_gives() {
+        for (min, max, feather) in
+            [(0.0, 30.0, 0.0), (20.0, 45.0, 5.0), (3.0, 90.0, 4.0), (-5.0, 100.0, 1.0), (10.0, 10.0, 0.0)]
+        {
+            let band = Band { min, max, feather };
+            let fast = SlopeBand::new(&band);
+            for step in 0..4000 {
+                let (slope_x, slope_z) = (f64::from(step) * 0.0007, f64::from(step % 37) * 0.01 - 0.2);
+                let angle = slope_x.hypot(slope_z).atan().to_degrees();
+                assert_eq!(fast.through(slope_x, slope_z), within(angle, &band), "{angle} in {band:?}");
+            }
+            for degrees in [min, max, min - feather, max + feather] {
+                let slope = degrees.clamp(0.0, 89.9).to_radians().tan();
+                assert_eq!(fast.through(slope, 0.0), within(slope.atan().to_degrees(), &band), "{degrees}");
+            }
+        }
     }
 
     #[test]

@@ -30,5 +30,6 @@ pub mod field;
 pub mod gate;
 pub mod hash;
 pub mod noise;
+pub mod select;
 pub mod store;
 pub mod transcendental;

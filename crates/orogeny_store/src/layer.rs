@@ -1,6 +1,6 @@
 //! Layers as the store keeps them.
 
-use orogeny_field::{Blend, FieldId, LayerContent, LayerTransform, MaskTerm, check_height};
+use orogeny_field::{Blend, FieldId, LayerContent, LayerTransform, MaskTerm, Procedure, check_height};
 
 use crate::{Error, Result};
 
@@ -91,6 +91,23 @@ pub struct Layer {
     /// Of an effect that is kept: what it was made of, so that a change of that can be seen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub made_of: Option<MadeOf>,
+    /// Of a mask that a brush made: how, so that it can be made anew.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_mask: Option<MadeMask>,
+}
+
+/// A painted mask that a brush made, and how.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MadeMask {
+    /// The brush, as a fill of the whole terrain.
+    pub brush: Procedure,
+    /// Whether it was inverted then.
+    pub invert: bool,
+    /// What it was multiplied by then.
+    pub scale: f32,
+    /// What it was made of.
+    pub made_of: MadeOf,
 }
 
 /// What an effect that is kept was made of.

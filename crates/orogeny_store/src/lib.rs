@@ -65,7 +65,7 @@ pub use check::CheckReport;
 pub use database::Counters;
 pub use error::{Error, Holder, Result};
 pub use history::{Change, Direction, Entry, EntryId, EntryState, HistorySummary};
-pub use layer::{Field, FieldKind, Layer, MAX_LAYER_NAME_BYTES, MadeOf, NewLayer};
+pub use layer::{Field, FieldKind, Layer, MAX_LAYER_NAME_BYTES, MadeMask, MadeOf, NewLayer};
 pub use recorder::{Recorder, Recording};
 pub use repair::Repaired;
 pub use salvage::Salvaged;

@@ -121,6 +121,9 @@ impl Copies {
             copy_pages(source, mask, field, transaction, salvaged)?;
             copy.mask = Some(field);
         }
+        if let Some(made_mask) = &mut copy.made_mask {
+            made_mask.made_of.entry = 0;
+        }
         self.layers.push((layer.id, copy));
         Ok(())
     }

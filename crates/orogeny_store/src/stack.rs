@@ -83,6 +83,7 @@ impl Stack {
             transform: LayerTransform::default(),
             group: None,
             made_of: None,
+            made_mask: None,
         };
         let state = layer.to_state()?;
         db.set_layer(layer.id, Some(&state))?;

@@ -12,6 +12,7 @@ mod codecs;
 mod erode;
 mod fill;
 mod ground;
+mod layers;
 mod limit;
 mod measure;
 mod noise;
@@ -28,8 +29,8 @@ use anyhow::{Context as _, bail};
 use crate::report::Report;
 
 /// What can be measured.
-const WHAT: [&str; 9] =
-    ["raise", "noise", "smooth", "clone", "erode", "codecs", "stores", "terrain", "render"];
+const WHAT: [&str; 10] =
+    ["raise", "noise", "smooth", "clone", "erode", "codecs", "stores", "terrain", "layers", "render"];
 
 struct Arguments {
     what: Vec<String>,
@@ -50,6 +51,7 @@ fn main() -> anyhow::Result<()> {
             "codecs" => codecs::run(&mut report, arguments.repeat)?,
             "stores" => stores::run(&mut report, arguments.repeat)?,
             "terrain" => terrain::run(&mut report, arguments.repeat)?,
+            "layers" => layers::run(&mut report, arguments.repeat)?,
             "render" => render::run(&mut report, arguments.repeat)?,
             other => bail!("there is no benchmark `{other}`; there are {}", WHAT.join(", ")),
         }

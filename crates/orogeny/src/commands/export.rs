@@ -26,12 +26,12 @@ pub struct Arguments {
     /// A coarser level, with a sample for two each way; 0 is full resolution
     #[arg(long, value_name = "K", default_value_t = 0)]
     level: u8,
-    /// One layer alone, as it is made, whether it shows or not [default: what all of them come to]
-    #[arg(long, value_name = "NAME")]
-    layer: Option<String>,
+    /// One layer alone, by its name or `#ID`, as it is made, whether it shows or not [default: what all of them come to]
+    #[arg(long, value_name = "LAYER", value_parser = values::layer)]
+    layer: Option<LayerReference>,
     /// How much a layer counts where, 0 to 1, by its mask and those of its groups
-    #[arg(long, value_name = "NAME", conflicts_with = "layer")]
-    mask: Option<String>,
+    #[arg(long, value_name = "LAYER", value_parser = values::layer, conflicts_with = "layer")]
+    mask: Option<LayerReference>,
     /// How much is selected where, 0 to 1
     #[arg(long, conflicts_with_all = ["layer", "mask"])]
     selection: bool,
@@ -71,8 +71,8 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
             ..ExportOptions::default()
         },
         source: match (arguments.layer, arguments.mask, arguments.selection) {
-            (Some(layer), ..) => ExportSource::Layer(LayerReference::Name(layer)),
-            (_, Some(layer), _) => ExportSource::Mask(LayerReference::Name(layer)),
+            (Some(layer), ..) => ExportSource::Layer(layer),
+            (_, Some(layer), _) => ExportSource::Mask(layer),
             (.., true) => ExportSource::Selection,
             _ => ExportSource::Composite,
         },

@@ -8,6 +8,7 @@ use indicatif::HumanBytes;
 use orogeny_engine::{Description, HeightStatistics, LayerDescription};
 use serde::Serialize;
 
+use crate::commands::layer::notes;
 use crate::output::{count, memory_line, text_of};
 use crate::progress::ProgressWatch;
 use crate::session::Session;
@@ -58,25 +59,8 @@ fn layer_line(layer: &LayerDescription, layers: &[LayerDescription], page_size: 
         (content, None) => content.to_owned(),
     });
     line.push_str(&format!(", {}, opacity {}", layer.blend.name(), layer.opacity));
-    if let Some(group) = layers.iter().find(|group| Some(group.id) == layer.group) {
-        line.push_str(&format!(", in `{}`", group.name));
-    }
-    let terms = count(layer.mask_terms.len() as u64, "term");
-    match (layer.has_painted_mask, layer.mask_terms.is_empty()) {
-        (true, true) => line.push_str(", painted mask"),
-        (true, false) => line.push_str(&format!(", painted mask and {terms}")),
-        (false, false) => line.push_str(&format!(", mask of {terms}")),
-        (false, true) => {}
-    }
-    for (is_so, what) in [
-        (!layer.transform.is_identity(), ", moved"),
-        (layer.locked, ", locked"),
-        (!layer.visible, ", hidden"),
-        (layer.is_stale, ", stale: what is below has changed since it was worked out (`refresh_layer`)"),
-    ] {
-        if is_so {
-            line.push_str(what);
-        }
+    for note in notes(layer, layers) {
+        line.push_str(&format!(", {note}"));
     }
     line
 }

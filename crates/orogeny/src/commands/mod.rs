@@ -11,6 +11,7 @@ pub mod export;
 pub mod import;
 pub mod info;
 pub mod jump;
+pub mod layer;
 pub mod log;
 pub mod materials;
 pub mod new;
@@ -34,6 +35,7 @@ pub fn run(command: Command, session: &Session) -> anyhow::Result<()> {
         Command::New(arguments) => new::run(&arguments, session),
         Command::Import(arguments) => import::run(arguments, session),
         Command::Apply(arguments) => apply::run(&arguments, session),
+        Command::Layer(arguments) => layer::run(&arguments, session),
         Command::Undo(arguments) => undo::run(&arguments, session),
         Command::Redo(arguments) => redo::run(&arguments, session),
         Command::Jump(arguments) => jump::run(&arguments, session),

@@ -34,7 +34,7 @@ pub use fill::plan_fill;
 const MAX_BUILD_UP: f64 = 0.999;
 
 /// The most pages that an instance or a fill may touch: 256 GiB of heights at full resolution.
-const MAX_PAGES: u64 = 1 << 20;
+pub const MAX_PAGES: u64 = 1 << 20;
 /// Pages after which a batch takes no further instance, each counted for each instance: bounds the plan's memory.
 const BATCH_PAGES: u64 = 1 << 16;
 

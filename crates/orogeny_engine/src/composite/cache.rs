@@ -28,6 +28,8 @@ pub(super) struct CacheKey {
 #[derive(Debug)]
 struct Held {
     page: Arc<Page>,
+    /// What of it is no longer true, in samples of its level.
+    stale: SampleRect,
     /// When it was last asked for.
     used: u64,
 }
@@ -50,17 +52,19 @@ impl Cache {
         self.size_in_bytes
     }
 
-    pub(super) fn get(&mut self, key: &CacheKey) -> Option<Arc<Page>> {
+    /// A page, and what of it is no longer true.
+    pub(super) fn get(&mut self, key: &CacheKey) -> Option<(Arc<Page>, SampleRect)> {
         self.clock += 1;
         let held = self.held.get_mut(key)?;
         held.used = self.clock;
-        Some(Arc::clone(&held.page))
+        Some((Arc::clone(&held.page), held.stale))
     }
 
     pub(super) fn put(&mut self, key: CacheKey, page: Arc<Page>) {
         self.clock += 1;
         self.size_in_bytes += size_of_page(&page);
-        if let Some(before) = self.held.insert(key, Held { page, used: self.clock }) {
+        let held = Held { page, stale: SampleRect::EMPTY, used: self.clock };
+        if let Some(before) = self.held.insert(key, held) {
             self.size_in_bytes -= size_of_page(&before.page);
         }
         if self.size_in_bytes > self.budget_in_bytes {
@@ -88,6 +92,16 @@ impl Cache {
         }
     }
 
+    /// Notes what of pages is no longer true: `stale_of` gives a rectangle that the part of the page lies within, empty for none.
+    pub(super) fn note_stale(&mut self, stale_of: impl Fn(&CacheKey) -> SampleRect) {
+        for (key, held) in &mut self.held {
+            let stale = stale_of(key);
+            if !stale.is_empty() {
+                held.stale = held.stale.bounds_with(&stale);
+            }
+        }
+    }
+
     /// Drops what is no longer true.
     pub(super) fn drop_where(&mut self, is_stale: impl Fn(&CacheKey) -> bool) {
         let stale: Vec<_> = self.held.keys().filter(|key| is_stale(key)).copied().collect();
@@ -97,11 +111,6 @@ impl Cache {
 
 fn size_of_page(page: &Page) -> u64 {
     size_of_val(page.samples()) as u64
-}
-
-/// Whether two rectangles have a sample in common.
-pub(super) const fn meet(a: &SampleRect, b: &SampleRect) -> bool {
-    a.x0 < b.x1 && b.x0 < a.x1 && a.z0 < b.z1 && b.z0 < a.z1
 }
 
 #[cfg(test)]
@@ -122,6 +131,12 @@ mod tests {
         cache.put(key(8), page());
         assert!(cache.size_in_bytes() <= 8 * layout.size_in_bytes());
         assert!(cache.get(&key(0)).is_some() && cache.get(&key(8)).is_some() && cache.get(&key(1)).is_none());
+        let part = SampleRect::new(1, 2, 3, 4);
+        cache.note_stale(|key| if key.x == 0 { part } else { SampleRect::EMPTY });
+        assert_eq!(cache.get(&key(0)).unwrap().1, part);
+        assert!(cache.get(&key(8)).unwrap().1.is_empty());
+        cache.put(key(0), page());
+        assert!(cache.get(&key(0)).unwrap().1.is_empty());
         cache.drop_where(|key| key.x == 8);
         assert!(cache.get(&key(8)).is_none());
         cache.drop_where(|_| true);

@@ -67,6 +67,17 @@ pub(super) fn paste(page: &Page, page_rect: SampleRect, within: &SampleRect, pla
     }
 }
 
+/// Copies a rectangle of a plane, which has all of it, into a page.
+pub(super) fn patch(page: &mut Page, page_rect: SampleRect, part: &SampleRect, plane: &Plane) {
+    let (x0, x1) = (part.x0.abs_diff(page_rect.x0), part.x1.abs_diff(page_rect.x0));
+    for z in part.z0..part.z1 {
+        let from = row_part(plane, z, part.x0, part.x1);
+        if let Some(to) = page.row_mut(z.abs_diff(page_rect.z0), x0, x1).filter(|to| to.len() == from.len()) {
+            to.copy_from_slice(from);
+        }
+    }
+}
+
 /// The part of a plane that is a page; 0 where the plane does not reach.
 pub(super) fn cut(plane: &Plane, layout: PageLayout, page_rect: SampleRect) -> Page {
     page_of(plane, layout, page_rect, 0.0)

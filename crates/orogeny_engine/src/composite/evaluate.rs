@@ -10,8 +10,8 @@ use orogeny_reference::field::compose;
 use orogeny_store::Layer;
 use rayon::prelude::*;
 
-use super::cache::{Cache, CacheKey, Kind, meet};
-use super::content::{cropped, cut, paste, stored};
+use super::cache::{Cache, CacheKey, Kind};
+use super::content::{cropped, cut, paste, patch, stored};
 use super::live::{self, BELOW, GROUND, HEIGHTS, WEIGHTS};
 use super::node::{Content, Node, nodes};
 use super::weights::{self, weights};
@@ -22,6 +22,9 @@ use crate::backend::{self, Settings};
 
 /// Pages that are worked out at once where a barrier lacks them: their halo is looked at once.
 const BLOCK_PAGES: u32 = 8;
+
+/// Rows that a thread takes at once.
+const MIN_ROWS: usize = 16;
 
 /// Where and how the stack is looked at.
 pub(crate) struct Look<'a> {
@@ -112,43 +115,40 @@ impl Compositor {
         self.cache.drop_where(|_| true);
     }
 
-    /// Pages of full resolution were changed: what was worked out of them, at any level, is dropped.
-    pub(crate) fn forget(&mut self, terrain: &TerrainGrid, layout: PageLayout, keys: &[PageKey]) {
-        if self.nodes.iter().all(|node| !node.is_barrier()) {
+    /// Samples of fields were changed, at full resolution: what was worked out of them, at any level, is noted as stale.
+    pub(crate) fn forget(&mut self, terrain: &TerrainGrid, layout: PageLayout, changes: &[Change]) {
+        if changes.is_empty() || self.nodes.iter().all(|node| !node.is_barrier()) {
             return;
         }
         let top = layout.top_level(terrain);
         // For each level what changed of what is below the node.
         let mut changed = vec![SampleRect::EMPTY; usize::from(top) + 1];
         for node in Arc::clone(&self.nodes).iter() {
-            for (field, transform) in node.fields().map(|stored| (stored.field, stored.transform)) {
-                let mut rect = rect_of(layout, keys, field);
+            for stored in node.fields() {
+                let mut rect = rect_of(changes, |field| field == stored.field);
                 for (level, changed) in (0..).zip(&mut changed) {
                     if rect.is_empty() {
                         break;
                     }
-                    let spacing_m = terrain.spacing_m() * f64::from(1_u32 << level);
-                    let here = if transform.is_identity() {
+                    let here = if stored.transform.is_identity() {
                         rect
                     } else {
-                        // The content may be looked at on coarser levels, whose samples reach further.
-                        let reach = 4.0 * transform.placement(spacing_m).samples_between().max(1.0);
-                        let placement = transform.placement(spacing_m);
-                        placement.terrain_rect(&rect.grown(reach.ceil() as i32))
+                        let spacing_m = terrain.spacing_m() * f64::from(1_u32 << level);
+                        let placement = stored.transform.placement(spacing_m);
+                        // It may be looked at on coarser levels, whose samples reach further.
+                        let reach = 4.0 * placement.samples_between().max(1.0);
+                        placement.terrain_rect(&rect.grown(reach.ceil() as i32)).grown(1)
                     };
                     *changed = changed.bounds_with(&here);
                     rect = rect_above(&rect);
                 }
             }
-            if node.looks_at_selection()
-                && keys.iter().any(|key| !node.fields().any(|stored| stored.field == key.field))
-            {
-                // Which field the selection is does not stand in the node; it is looked at where it lies.
-                let mut rect =
-                    keys.iter().fold(SampleRect::EMPTY, |rect, key| rect.bounds_with(&layout.page_rect(key)));
+            if node.looks_at_selection() {
+                // Which field the selection is does not stand in the node; it is none of its own.
+                let mut rect = rect_of(changes, |field| node.fields().all(|stored| stored.field != field));
                 for changed in &mut changed {
                     *changed = changed.bounds_with(&rect);
-                    rect = rect_above(&rect);
+                    rect = if rect.is_empty() { rect } else { rect_above(&rect) };
                 }
             }
             if !node.is_barrier() {
@@ -160,14 +160,11 @@ impl Compositor {
                     *changed = changed.grown(halo);
                 }
             }
-            let is_stale = |key: &CacheKey| {
-                let page = PageKey { field: FieldId(0), level: key.level, z: key.z, x: key.x };
-                let changed = changed.get(usize::from(key.level));
-                key.layer == node.id
-                    && key.kind == Kind::Result
-                    && changed.is_some_and(|changed| meet(changed, &layout.page_rect(&page)))
-            };
-            self.cache.drop_where(is_stale);
+            self.cache.note_stale(|key| {
+                let changed = changed.get(usize::from(key.level)).filter(|_| key.layer == node.id);
+                let changed = changed.filter(|_| key.kind == Kind::Result);
+                changed.map_or(SampleRect::EMPTY, |changed| changed.intersection(&page_rect(layout, key)))
+            });
         }
     }
 
@@ -198,7 +195,8 @@ impl Compositor {
         };
         for node in above {
             let heights = self.content(look, node, rect)?;
-            self.join(look, node, &mut plane, &heights, None)?;
+            let weights = self.weights(look, node, None, rect)?;
+            join(node, &mut plane, &heights, weights.as_ref());
         }
         Ok(plane)
     }
@@ -266,42 +264,25 @@ impl Compositor {
                 });
                 return Ok(joined);
             }
-            let mut joined = plane;
-            let below = joined.clone();
-            joined = cropped(joined, rect);
-            this.join(look, node, &mut joined, &heights, Some(&below))?;
+            let weights = this.weights(look, node, Some(&plane), rect)?;
+            let mut joined = cropped(plane, rect);
+            join(node, &mut joined, &heights, weights.as_ref());
             Ok(joined)
         })
     }
 
-    /// Joins a layer to what is below it, of which more may be known than the rectangle.
-    fn join(
+    /// A node's weights; `None` where it counts the same everywhere.
+    fn weights(
         &mut self,
         look: &mut Look<'_>,
         node: &Node,
-        plane: &mut Plane,
-        heights: &Plane,
         below: Option<&Plane>,
-    ) -> Result<()> {
-        let rect = plane.rect();
-        let width = rect.width().max(1) as usize;
-        let rows = |plane: &'_ mut Plane, weights: &[f32]| {
-            let rows = plane.samples_mut().par_chunks_mut(width).zip(heights.samples().par_chunks(width));
-            if weights.len() == width {
-                rows.for_each(|(below, heights)| compose::row(below, heights, weights, node.blend));
-            } else {
-                rows.zip(weights.par_chunks(width)).for_each(|((below, heights), weights)| {
-                    compose::row(below, heights, weights, node.blend);
-                });
-            }
-        };
+        rect: SampleRect,
+    ) -> Result<Option<Plane>> {
         if node.is_unmasked() {
-            rows(plane, &vec![node.opacity; width]);
-        } else {
-            let weights = weights(look, self.executor(look.layout)?, node, below, rect)?;
-            rows(plane, weights.samples());
+            return Ok(None);
         }
-        Ok(())
+        weights(look, self.executor(look.layout)?, node, below, rect).map(Some)
     }
 
     /// What a layer is made of that does not look at what is below it.
@@ -341,7 +322,7 @@ impl Compositor {
         live::run(look, self.executor(look.layout)?, planned, planes, rect)
     }
 
-    /// A rectangle of pages that are kept; those that are missing are worked out in blocks.
+    /// A rectangle of pages that are kept; those that are missing are worked out in blocks, and what of others is stale.
     fn kept(
         &mut self,
         look: &mut Look<'_>,
@@ -350,17 +331,34 @@ impl Compositor {
         rect: SampleRect,
         mut work_out: impl FnMut(&mut Self, &mut Look<'_>, SampleRect) -> Result<Plane>,
     ) -> Result<Plane> {
-        let layout = look.layout;
+        let (layout, level) = (look.layout, look.level);
         let bounds = look.grid.bounds();
         let mut plane = Plane::constant(rect, 0.0);
-        let page_rect =
-            |level: u8, x: u32, z: u32| layout.page_rect(&PageKey { field: FieldId(0), level, z, x });
-        let mut missing: Vec<(u32, u32)> = Vec::new();
-        for (x, z) in layout.pages_in(rect) {
-            let key = CacheKey { layer: node.id, kind, level: look.level, z, x };
-            match self.cache.get(&key) {
-                Some(page) => paste(&page, page_rect(look.level, x, z), &rect, &mut plane),
-                None => missing.push((x, z)),
+        let key_of = |(x, z)| CacheKey { layer: node.id, kind, level, z, x };
+        let (mut missing, mut stale) = (Vec::new(), SampleRect::EMPTY);
+        let mut partly_stale = Vec::new();
+        for place in layout.pages_in(rect) {
+            match self.cache.get(&key_of(place)) {
+                Some((page, of_page)) if of_page.is_empty() => {
+                    paste(&page, page_rect(layout, &key_of(place)), &rect, &mut plane);
+                }
+                Some((page, of_page)) => {
+                    stale = stale.bounds_with(&of_page);
+                    partly_stale.push((place, page, of_page));
+                }
+                None => missing.push(place),
+            }
+        }
+        let stale = stale.intersection(&bounds);
+        if !partly_stale.is_empty() {
+            let made =
+                if stale.is_empty() { Plane::constant(stale, 0.0) } else { work_out(self, look, stale)? };
+            for (place, page, of_page) in partly_stale {
+                let key = key_of(place);
+                let mut page = Arc::unwrap_or_clone(page);
+                patch(&mut page, page_rect(layout, &key), &of_page.intersection(&bounds), &made);
+                paste(&page, page_rect(layout, &key), &rect, &mut plane);
+                self.cache.put(key, Arc::new(page));
             }
         }
         while let Some((first_x, first_z)) = missing.first().copied() {
@@ -370,16 +368,16 @@ impl Compositor {
             };
             let (block, rest): (Vec<_>, Vec<_>) = missing.into_iter().partition(in_block);
             missing = rest;
-            let whole = block
-                .iter()
-                .fold(SampleRect::EMPTY, |whole, (x, z)| whole.bounds_with(&page_rect(look.level, *x, *z)));
-            let whole = whole.intersection(&bounds);
+            let rects = block.iter().map(|place| page_rect(layout, &key_of(*place)));
+            let whole =
+                rects.fold(SampleRect::EMPTY, |whole, rect| whole.bounds_with(&rect)).intersection(&bounds);
             let made = work_out(self, look, whole)?;
-            for (x, z) in layout.pages_in(whole) {
-                let of_page = page_rect(look.level, x, z);
+            for place in layout.pages_in(whole) {
+                let key = key_of(place);
+                let of_page = page_rect(layout, &key);
                 let page = Arc::new(cut(&made, layout, of_page));
                 paste(&page, of_page, &rect, &mut plane);
-                self.cache.put(CacheKey { layer: node.id, kind, level: look.level, z, x }, page);
+                self.cache.put(key, page);
             }
         }
         Ok(plane)
@@ -391,6 +389,24 @@ impl Compositor {
             none => none.insert(backend::composite_executor(&self.settings, layout)?),
         };
         Ok(executor.as_mut())
+    }
+}
+
+/// Joins a layer to what is below it.
+fn join(node: &Node, below: &mut Plane, heights: &Plane, weights: Option<&Plane>) {
+    let width = below.rect().width().max(1) as usize;
+    let rows = below.samples_mut().par_chunks_mut(width).zip(heights.samples().par_chunks(width));
+    let rows = rows.with_min_len(MIN_ROWS);
+    match weights {
+        Some(weights) => {
+            rows.zip(weights.samples().par_chunks(width)).for_each(|((below, heights), weights)| {
+                compose::row(below, heights, weights, node.blend);
+            })
+        }
+        None => {
+            let weights = vec![node.opacity; width];
+            rows.for_each(|(below, heights)| compose::row(below, heights, &weights, node.blend));
+        }
     }
 }
 
@@ -417,10 +433,28 @@ fn halo(look: &mut Look<'_>, node: &Node) -> Result<i32> {
     Ok(blend + content.max(weights::halo(look, node)?))
 }
 
-/// What of a field was changed, at full resolution.
-fn rect_of(layout: PageLayout, keys: &[PageKey], field: FieldId) -> SampleRect {
-    let of_field = keys.iter().filter(|key| key.field == field);
-    of_field.fold(SampleRect::EMPTY, |rect, key| rect.bounds_with(&layout.page_rect(key)))
+/// Samples of a field that were changed, at full resolution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Change {
+    pub(crate) field: FieldId,
+    pub(crate) rect: SampleRect,
+}
+
+impl Change {
+    /// All of each page.
+    pub(crate) fn of_pages(layout: PageLayout, keys: &[PageKey]) -> Vec<Self> {
+        keys.iter().map(|key| Self { field: key.field, rect: layout.page_rect(key) }).collect()
+    }
+}
+
+/// What of some fields was changed.
+fn rect_of(changes: &[Change], is_of: impl Fn(FieldId) -> bool) -> SampleRect {
+    let of_field = changes.iter().filter(|change| is_of(change.field));
+    of_field.fold(SampleRect::EMPTY, |rect, change| rect.bounds_with(&change.rect))
+}
+
+fn page_rect(layout: PageLayout, key: &CacheKey) -> SampleRect {
+    layout.page_rect(&PageKey { field: FieldId(0), level: key.level, z: key.z, x: key.x })
 }
 
 /// For planning alone, which looks at no page.

@@ -108,8 +108,12 @@ impl Planned {
     /// How far around a rectangle it looks, wherever that is, at most.
     pub(super) fn halo(&self) -> i32 {
         match &self.batch.pass.rule {
-            // Where a grid of a pyramid lies otherwise to the rectangle, as much again is more than enough.
-            Rule::Filter(filter) => 2 * filter.graph.halo().cast_signed() + 2,
+            // Where a grid of a pyramid lies otherwise to the rectangle, up to a sample of its coarsest level more: of which a halo has
+            // four at least.
+            Rule::Filter(filter) => {
+                let halo = filter.graph.halo().cast_signed();
+                halo + halo / 4 + 2
+            }
             _ => 1,
         }
     }

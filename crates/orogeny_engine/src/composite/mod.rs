@@ -19,10 +19,12 @@ mod summary;
 mod weights;
 
 pub(crate) use content::{page_of, stored};
-pub(crate) use evaluate::{Compositor, Look};
+pub(crate) use evaluate::{Change, Compositor, Look};
 pub(crate) use live::check;
-pub(crate) use node::{Live, MAX_GROUP_DEPTH, Node, node, painted_mask, with_groups};
-pub(crate) use pages::{FieldPages, RecordingPages, StorePages};
-pub(crate) use rows::{Composite, Source, damage_notice};
+pub(crate) use node::{
+    Live, MAX_GROUP_DEPTH, Node, Stored, image_of, node, painted_mask, selection, with_groups,
+};
+pub(crate) use pages::{FieldPages, RecorderPages, RecordingPages, StorePages};
+pub(crate) use rows::{Composite, Source, damage_notice, read};
 pub(crate) use summary::summary;
-pub(crate) use weights::check_term;
+pub(crate) use weights::{check_term, gated};

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use orogeny_brush::Resources;
 use orogeny_field::{
     Bitmap, Blend, Brush, CurveTable, DataSource, FieldId, Gate, LayerContent, LayerReference,
-    LayerTransform, MaskCombine, MaskSource, MaskTerm, Procedure,
+    LayerTransform, MaskCombine, MaskSource, MaskTerm, Plane, Procedure, SampleRect,
 };
 use orogeny_reference::field::compose;
 use orogeny_store::Layer;
 
-use super::FieldPages;
+use super::content::stored;
+use super::{FieldPages, Look};
 use crate::{Error, Result, resources};
 
 /// Groups that lie in one another, at most; also ends a chain that damage closed to a ring.
@@ -135,6 +136,24 @@ impl Node {
         Self { opacity: 1.0, ..self.clone() }
     }
 
+    /// Whether it is a field as it is, and counts fully everywhere.
+    pub(crate) fn is_field(&self, field: FieldId) -> bool {
+        let is_it = matches!(&self.content, Content::Heights(heights) if heights.field == field);
+        is_it
+            && self.blend == Blend::Add
+            && self.opacity == 1.0
+            && self.is_unmasked()
+            && self.is_constant_without_pages()
+    }
+
+    /// Of a layer of heights, these, where they lie.
+    pub(crate) fn stored_heights(&self, look: &mut Look<'_>, rect: SampleRect) -> Result<Plane> {
+        match &self.content {
+            Content::Heights(heights) | Content::Kept(heights) => stored(look, heights, rect),
+            Content::Procedural(_) | Content::Effect(_) => Ok(Plane::constant(rect, 0.0)),
+        }
+    }
+
     /// All stored fields that it is made of.
     pub(crate) fn fields(&self) -> impl Iterator<Item = &Stored> {
         let content = match &self.content {
@@ -193,7 +212,8 @@ impl Live {
     }
 }
 
-fn image_of(gate: &Gate, pages: &mut dyn FieldPages) -> Result<Option<Arc<Bitmap>>> {
+/// The picture of a gate, which the terrain keeps.
+pub(crate) fn image_of(gate: &Gate, pages: &mut dyn FieldPages) -> Result<Option<Arc<Bitmap>>> {
     let Some(image) = &gate.image else { return Ok(None) };
     let (bytes, name) = kept(&image.source, pages)?;
     let picture = orogeny_formats::read_bitmap(&bytes, &name)?;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use orogeny_field::{FieldId, Page, PageKey, PageLayout};
-use orogeny_store::{BlobHash, FieldKind, Recording, Store};
+use orogeny_store::{BlobHash, FieldKind, Recorder, Recording, Store};
 
 use crate::Result;
 
@@ -74,16 +74,43 @@ impl FieldPages for StorePages<'_> {
     }
 }
 
+/// What was painted last, whether it is on disk yet or still on its way; of full resolution only.
+pub(crate) struct RecorderPages<'a>(pub(crate) &'a Recorder);
+
+impl FieldPages for RecorderPages<'_> {
+    fn layout(&self) -> PageLayout {
+        self.0.on_disk().map(Store::layout).unwrap_or_default()
+    }
+
+    fn selection(&mut self) -> Result<Option<FieldId>> {
+        StorePages::new(self.0.on_disk()?).selection()
+    }
+
+    fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
+        self.0.load_pages(keys)?.into_iter().map(|page| Ok(page?)).collect()
+    }
+
+    fn blob(&mut self, hash: BlobHash) -> Result<Vec<u8>> {
+        StorePages::new(self.0.on_disk()?).blob(hash)
+    }
+}
+
 /// What an operation left so far. Coarser levels, which are else made when it ends, are made when they are asked for.
 pub(crate) struct RecordingPages<'a, 'recorder> {
     recording: &'a mut Recording<'recorder>,
     layout: PageLayout,
+    is_before: bool,
 }
 
 impl<'a, 'recorder> RecordingPages<'a, 'recorder> {
     pub(crate) fn new(recording: &'a mut Recording<'recorder>) -> Result<Self> {
         let layout = recording.layout()?;
-        Ok(Self { recording, layout })
+        Ok(Self { recording, layout, is_before: false })
+    }
+
+    /// Pages as they were before the running operation.
+    pub(crate) fn before(recording: &'a mut Recording<'recorder>) -> Result<Self> {
+        Ok(Self { is_before: true, ..Self::new(recording)? })
     }
 }
 
@@ -97,8 +124,9 @@ impl FieldPages for RecordingPages<'_, '_> {
     }
 
     fn load(&mut self, keys: &[PageKey]) -> Result<Vec<Option<Arc<Page>>>> {
-        let mut load = |key: &PageKey| match key.level {
-            0 => self.recording.load_page(key),
+        let mut load = |key: &PageKey| match (key.level, self.is_before) {
+            (0, true) => self.recording.load_page_before(key),
+            (0, false) => self.recording.load_page(key),
             _ => self.recording.load_coarse_page(key),
         };
         keys.iter().map(|key| Ok(load(key)?)).collect()

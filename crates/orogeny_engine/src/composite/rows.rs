@@ -2,14 +2,14 @@
 
 use std::cell::RefCell;
 
-use orogeny_field::{PageKey, Plane, SampleRect};
-use orogeny_store::Store;
+use orogeny_field::{LayerReference, PageKey, Plane, SampleRect};
+use orogeny_store::{Layer, Store};
 
 use super::content::row_part;
 use super::node::{node, selection};
-use super::{Compositor, Look, Node, StorePages};
+use super::{Compositor, Look, StorePages};
+use crate::Result;
 use crate::access::band_rows;
-use crate::{Error, Result};
 
 /// What is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,31 +137,36 @@ impl<'a> Composite<'a> {
     }
 
     fn load(&mut self, rect: SampleRect) -> Result<Plane> {
-        let compositor = &mut *self.compositor.borrow_mut();
-        let layers = self.store.layers();
         let mut look = Look::new(self.store.grid(), self.level, &mut self.pages)?;
-        let nodes = compositor.nodes(layers, look.pages)?;
-        let id = match self.source {
-            Source::Composite => return compositor.heights(&mut look, &nodes, rect),
-            Source::Selection => {
-                let Some(field) = look.pages.selection()? else { return Ok(Plane::constant(rect, 0.0)) };
-                return super::content::stored(&mut look, &selection(field), rect);
-            }
-            Source::Layer(id) | Source::Mask(id) => id,
-        };
-        let unknown = || Error::UnknownLayer { layer: format!("with the id {id}"), known: String::new() };
-        let layer = layers.iter().find(|layer| layer.id == id).ok_or_else(unknown)?;
-        // One that is hidden is read as if it were not, over what is below it.
-        let is_below = |node: &&Node| {
-            layers.iter().position(|layer| layer.id == node.id)
-                < layers.iter().position(|other| other.id == id)
-        };
-        let num_below = nodes.iter().take_while(is_below).count();
-        let below = nodes.get(..num_below).unwrap_or_default();
-        let node = node(layers, layer, look.pages)?;
-        if let Source::Mask(_) = self.source {
-            return compositor.layer_weights(&mut look, below, &node.opaque(), rect);
+        read(&mut self.compositor.borrow_mut(), self.store.layers(), &mut look, self.source, rect)
+    }
+}
+
+/// A rectangle of the composite, or of a part of it, at the level that is looked at.
+pub(crate) fn read(
+    compositor: &mut Compositor,
+    layers: &[Layer],
+    look: &mut Look<'_>,
+    source: Source,
+    rect: SampleRect,
+) -> Result<Plane> {
+    let nodes = compositor.nodes(layers, look.pages)?;
+    let id = match source {
+        Source::Composite => return compositor.heights(look, &nodes, rect),
+        Source::Selection => {
+            let Some(field) = look.pages.selection()? else { return Ok(Plane::constant(rect, 0.0)) };
+            return super::stored(look, &selection(field), rect);
         }
-        compositor.layer_heights(&mut look, below, &node, rect)
+        Source::Layer(id) | Source::Mask(id) => id,
+    };
+    let layer = crate::terrain::find_layer(layers, Some(&LayerReference::Id(id)))?;
+    // One that is hidden is read as if it were not, over what is below it.
+    let place = |id: u32| layers.iter().position(|layer| layer.id == id);
+    let num_below = nodes.iter().take_while(|node| place(node.id) < place(id)).count();
+    let below = nodes.get(..num_below).unwrap_or_default();
+    let node = node(layers, layer, look.pages)?;
+    match source {
+        Source::Mask(_) => compositor.layer_weights(look, below, &node.opaque(), rect),
+        _ => compositor.layer_heights(look, below, &node, rect),
     }
 }

@@ -1,15 +1,17 @@
 //! How much a layer counts where: its opacity times its masks.
 
+use std::sync::Arc;
+
 use orogeny_brush::filter::MAX_WIDTH_SAMPLES;
 use orogeny_brush::{Executor, GatePlan};
-use orogeny_field::{MaskSource, MaskTerm, Plane, SampleRect, TerrainGrid};
+use orogeny_field::{Bitmap, Gate, MaskSource, MaskTerm, Plane, SampleRect, TerrainGrid};
 use orogeny_reference::field::compose;
 use rayon::prelude::*;
 
 use super::Look;
-use super::content::{cropped, paste, stored};
-use super::live::{self, BELOW, GROUND, PlanePages, Planned};
-use super::node::{Mask, Node, Term, TermSource};
+use super::content::{cropped, stored};
+use super::live::{self, BELOW, GROUND, Planned};
+use super::node::{Mask, Node, Term, TermSource, selection};
 use crate::Result;
 
 /// Refuses a term of a mask that cannot be worked out on the terrain: the composite could not be looked at with it.
@@ -125,31 +127,35 @@ fn source(
         }
         TermSource::Mask(None) => Plane::constant(wide, 1.0),
         TermSource::Mask(Some(mask)) => stored(look, mask, wide)?,
-        TermSource::Gate { gate, image } => {
-            let selection = look.pages.selection()?.unwrap_or(orogeny_field::FieldId(u32::MAX));
-            let plan = GatePlan::new(gate, look.grid, BELOW, selection, image.clone());
-            let plan = match plan {
-                // A noise that is too fine to be seen at this level is its mean: nothing.
-                Err(orogeny_brush::Error::Field(orogeny_field::Error::FeatureSize { .. }))
-                    if look.level > 0 =>
-                {
-                    return Ok(Plane::constant(rect, if gate.is_inverted { 1.0 } else { 0.0 }));
-                }
-                plan => plan?,
-            };
-            let planes = below.map(|below| (BELOW, below)).into_iter().collect();
-            let mut pages = PlanePages::new(look, planes);
-            let mut values = Plane::constant(wide, 0.0);
-            for (page_rect, page) in plan.pages(&wide, &mut pages)? {
-                paste(&page, page_rect, &wide, &mut values);
-            }
-            values
-        }
+        TermSource::Gate { gate, image } => gated(look, gate, image.as_ref(), below, wide)?,
     };
     match blur {
         Some(blur) => live::run(look, executor, blur, vec![(GROUND, &values)], rect),
         None => Ok(cropped(values, rect)),
     }
+}
+
+/// What a gate lets through within a rectangle of ground, of which a sample more on each side is known.
+pub(crate) fn gated(
+    look: &mut Look<'_>,
+    gate: &Gate,
+    image: Option<&Arc<Bitmap>>,
+    ground: Option<&Plane>,
+    rect: SampleRect,
+) -> Result<Plane> {
+    let plan = match GatePlan::new(gate, look.grid, BELOW, BELOW, image.cloned()) {
+        // A noise that is too fine to be seen at this level is its mean: nothing.
+        Err(orogeny_brush::Error::Field(orogeny_field::Error::FeatureSize { .. })) if look.level > 0 => {
+            return Ok(Plane::constant(rect, if gate.is_inverted { 1.0 } else { 0.0 }));
+        }
+        plan => plan?,
+    };
+    let selected = match look.pages.selection()? {
+        _ if !gate.selection => None,
+        Some(field) => Some(stored(look, &selection(field), rect)?),
+        None => Some(Plane::constant(rect, 0.0)),
+    };
+    Ok(plan.plane(look.layout, rect, ground, selected.as_ref()))
 }
 
 /// Changes a plane by another of the same rectangle, row by row.

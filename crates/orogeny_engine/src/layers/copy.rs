@@ -16,7 +16,7 @@ const PAGES_AT_ONCE: usize = 32;
 /// The most pages that are baked at once: as many as one operation of a brush may change.
 const MAX_BAKED_PAGES: u64 = 1 << 20;
 
-impl Stack<'_, '_> {
+impl Stack<'_, '_, '_> {
     /// Hands over pages, and notes them as changed.
     pub(super) fn write(&mut self, pages: Vec<(PageKey, Page)>) -> Result<()> {
         self.written.extend(pages.iter().map(|(key, _)| *key));
@@ -41,7 +41,7 @@ impl Stack<'_, '_> {
                 }
             }
             self.write(pages)?;
-            report(self.observer, "copying", done + keys.len() as u64, 0)?;
+            report(self.site.observer, "copying", done + keys.len() as u64, 0)?;
         }
         Ok(keys.len())
     }
@@ -77,7 +77,7 @@ impl Stack<'_, '_> {
         }
         let layers = self.recording.layers().to_vec();
         let mut pages = RecordingPages::new(self.recording)?;
-        let nodes = self.compositor.nodes(&layers, &mut pages)?;
+        let nodes = self.site.compositor.nodes(&layers, &mut pages)?;
         let node = composite::node(&layers, &layer, &mut pages)?;
         let below = nodes.get(..num_below(&layers, &nodes, layer.id)).unwrap_or_default();
         let mut baked = Layer {
@@ -108,7 +108,7 @@ impl Stack<'_, '_> {
     fn collapse_below(&mut self, layer: &Layer) -> Result<()> {
         let layers = self.recording.layers().to_vec();
         let mut pages = RecordingPages::new(self.recording)?;
-        let nodes = self.compositor.nodes(&layers, &mut pages)?;
+        let nodes = self.site.compositor.nodes(&layers, &mut pages)?;
         let members = super::order::with_members(&layers, layer.id);
         let Some(last) = nodes.iter().rposition(|node| members.contains(&node.id)) else {
             return Err(refused(layer, "collapsed", "it is hidden".to_owned()));
@@ -143,6 +143,12 @@ impl Stack<'_, '_> {
             let other = self.layer(&LayerReference::Id(other.id))?;
             self.recording.set_layer(Layer { group: layer.group, ..other })?;
         }
+        // It is no group any more: what was hidden in it is in none.
+        for hidden in self.recording.layers().to_vec() {
+            if hidden.group == Some(layer.id) {
+                self.recording.set_layer(Layer { group: None, ..hidden })?;
+            }
+        }
         let position = self.layer(&LayerReference::Id(layer.id))?.position;
         self.recording.set_layer(Layer {
             id: layer.id,
@@ -161,6 +167,7 @@ impl Stack<'_, '_> {
             transform: LayerTransform::default(),
             group: None,
             made_of: None,
+            made_mask: None,
         })?;
         self.remove_emptied_groups(&layers)
     }
@@ -187,7 +194,7 @@ impl Stack<'_, '_> {
         constant: f32,
         mut work_out: impl FnMut(&mut Compositor, &mut Look<'_>, SampleRect) -> Result<Plane>,
     ) -> Result<()> {
-        let (layout, bounds) = (self.layout, self.grid.bounds());
+        let (layout, bounds) = (self.site.layout, self.site.grid.bounds());
         let num_pages = layout.num_pages_in(bounds);
         if num_pages > MAX_BAKED_PAGES {
             return Err(orogeny_brush::Error::TooManyPages { num_pages, limit: MAX_BAKED_PAGES }.into());
@@ -198,8 +205,8 @@ impl Stack<'_, '_> {
             let key = PageKey::full_resolution(field, x, z);
             let page_rect = layout.page_rect(&key);
             let mut pages = RecordingPages::new(self.recording)?;
-            let mut look = Look::new(self.grid, 0, &mut pages)?;
-            let plane = work_out(self.compositor, &mut look, page_rect.intersection(&bounds))?;
+            let mut look = Look::new(self.site.grid, 0, &mut pages)?;
+            let plane = work_out(self.site.compositor, &mut look, page_rect.intersection(&bounds))?;
             if plane.samples().iter().any(|sample| sample.to_bits() != constant.to_bits()) {
                 baked.push((key, composite::page_of(&plane, layout, page_rect, constant)));
             }
@@ -207,7 +214,7 @@ impl Stack<'_, '_> {
             if baked.len() >= PAGES_AT_ONCE {
                 self.write(std::mem::take(&mut baked))?;
             }
-            report(self.observer, "baking", num_done, num_pages)?;
+            report(self.site.observer, "baking", num_done, num_pages)?;
         }
         self.write(baked)
     }

@@ -3,10 +3,11 @@
 
 use orogeny_brush::{Canvas, plan_fill};
 use orogeny_field::{
-    Blend, FieldId, LayerContent, MaskSource, MaskTerm, Page, PageKey, PageLayout, SampleRect, TerrainGrid,
+    Blend, FieldId, LayerContent, LayerTransform, MaskCombine, MaskSource, MaskTerm, Page, PageKey,
+    PageLayout, SampleRect, TerrainGrid,
 };
 use orogeny_pages::{BoxError, PageStore};
-use orogeny_store::{BlobHash, FieldKind, Layer, MadeOf, Recording, Store};
+use orogeny_store::{BlobHash, FieldKind, Layer, MadeMask, MadeOf, Recording, Store};
 
 use super::copy::num_below;
 use super::{Stack, refused};
@@ -21,7 +22,28 @@ const NO_FIELD: FieldId = FieldId(u32::MAX);
 /// Pages that are run at once: after each such piece the observer may cancel.
 const BATCH_PAGES: usize = 64;
 
-impl Stack<'_, '_> {
+impl Stack<'_, '_, '_> {
+    /// Works all that is kept of a layer out anew.
+    pub(super) fn refresh_all(&mut self, layer: &Layer) -> Result<()> {
+        if let Some(MadeMask { brush, invert, scale, .. }) = &layer.made_mask {
+            self.make_mask(layer, brush, *invert, *scale)?;
+            if !layer.content.is_kept() {
+                return Ok(());
+            }
+        }
+        self.refresh(layer)
+    }
+
+    /// What something is made of that is worked out now.
+    pub(super) fn made_of(&mut self, layer: &Layer, region: SampleRect) -> Result<MadeOf> {
+        let entry = self.recording.with_transaction(|transaction| Ok(transaction.entry()))?;
+        Ok(MadeOf {
+            entry: entry.0,
+            region: [region.x0, region.z0, region.x1, region.z1],
+            layers: hash_below(self.recording.layers(), layer)?,
+        })
+    }
+
     /// Works an effect that is kept out anew.
     pub(super) fn refresh(&mut self, layer: &Layer) -> Result<()> {
         let layer = &self.layer(&orogeny_field::LayerReference::Id(layer.id))?;
@@ -35,63 +57,104 @@ impl Stack<'_, '_> {
         let mut pages = RecordingPages::new(self.recording)?;
         let selection = pages.selection()?.unwrap_or(NO_FIELD);
         let live = Live::new(procedure, &mut pages)?;
-        let nodes = self.compositor.nodes(&layers, &mut pages)?;
+        let nodes = self.site.compositor.nodes(&layers, &mut pages)?;
         let below = nodes.get(..num_below(&layers, &nodes, layer.id)).unwrap_or_default();
         // What the last time left beyond the region goes.
         let mut stale = self.recording.page_keys(layer.heights)?;
-        let canvas = Canvas { selection, ..Canvas::heights(self.grid, self.layout, BELOW) };
+        let canvas = Canvas { selection, ..Canvas::heights(self.site.grid, self.site.layout, BELOW) };
         if !region.is_empty() {
             let mut pages = BelowPages {
-                grid: self.grid,
-                layout: self.layout,
+                grid: self.site.grid,
+                layout: self.site.layout,
                 recording: self.recording,
-                compositor: self.compositor,
+                compositor: self.site.compositor,
                 below,
                 heights: layer.heights,
                 written: Vec::new(),
                 asked_for: Vec::new(),
             };
             let batch = plan_fill(&live.brush, live.seed, canvas, live.resources, region, &mut pages)?;
-            let run = run(batch, self.layout, self.executor, &mut pages, self.observer);
+            let run = run(batch, self.site.layout, self.site.executor, &mut pages, self.site.observer);
             let BelowPages { written, mut asked_for, .. } = pages;
             asked_for.sort_unstable();
             asked_for.dedup();
             match run {
-                Ok(()) => self.executor.forget(&asked_for),
+                Ok(()) => self.site.executor.forget(&asked_for),
                 Err(err) => {
-                    self.executor.cancel();
+                    self.site.executor.cancel();
                     return Err(err);
                 }
             }
             stale.retain(|key| !written.contains(key));
             self.written.extend(written);
         }
-        let zero = Page::constant(self.layout, 0.0);
+        let zero = Page::constant(self.site.layout, 0.0);
         self.write(stale.into_iter().map(|key| (key, zero.clone())).collect())?;
-        let entry = self.recording.with_transaction(|transaction| Ok(transaction.entry()))?;
-        let made_of = MadeOf {
-            entry: entry.0,
-            region: [region.x0, region.z0, region.x1, region.z1],
-            layers: hash_below(&layers, layer)?,
-        };
+        let made_of = self.made_of(layer, region)?;
         Ok(self.recording.set_layer(Layer { made_of: Some(made_of), ..layer.clone() })?)
     }
 
-    /// The samples where a layer's painted mask, and those of its groups, may let it count.
+    /// The samples where a layer's masks, and those of its groups, may let it count.
     fn mask_bounds(&mut self, layers: &[Layer], layer: &Layer) -> Result<SampleRect> {
-        let mut bounds = self.grid.bounds();
-        for masked in with_groups(layers, layer) {
-            if let Some(mask) = masked.mask.filter(|_| masked.mask_constant == 0.0) {
-                let painted = self.recording.page_keys(mask)?;
-                bounds = bounds.intersection(&painted_bounds(self.layout, &painted));
-            }
-        }
-        Ok(bounds)
+        let (grid, layout) = (self.site.grid, self.site.layout);
+        mask_bounds(layers, layer, &grid, layout, |field| Ok(self.recording.page_keys(field)?))
     }
 }
 
-fn painted_bounds(layout: PageLayout, keys: &[PageKey]) -> SampleRect {
-    keys.iter().fold(SampleRect::EMPTY, |bounds, key| bounds.bounds_with(&layout.page_rect(key)))
+/// The samples where a layer's masks, and those of its groups, may let it count, by the pages that they are made of.
+fn mask_bounds(
+    layers: &[Layer],
+    layer: &Layer,
+    grid: &TerrainGrid,
+    layout: PageLayout,
+    mut page_keys: impl FnMut(FieldId) -> Result<Vec<PageKey>>,
+) -> Result<SampleRect> {
+    let mut bounds = grid.bounds();
+    let mut painted_bounds = |field: FieldId, transform: &LayerTransform| -> Result<SampleRect> {
+        let keys = page_keys(field)?;
+        let painted =
+            keys.iter().fold(SampleRect::EMPTY, |rect, key| rect.bounds_with(&layout.page_rect(key)));
+        if transform.is_identity() || painted.is_empty() {
+            return Ok(painted);
+        }
+        let placement = transform.placement(grid.spacing_m());
+        Ok(placement.terrain_rect(&painted.grown(4)))
+    };
+    for masked in with_groups(layers, layer) {
+        if let Some(mask) = composite::painted_mask(masked).filter(|mask| mask.constant == 0.0) {
+            bounds = bounds.intersection(&painted_bounds(mask.field, &mask.transform)?);
+        }
+        for term in &masked.mask_terms {
+            let narrows = matches!(term.combine, MaskCombine::Multiply | MaskCombine::Min);
+            if !narrows || term.is_inverted || term.curve.is_some() {
+                // Something after it may let it count elsewhere.
+                if matches!(term.combine, MaskCombine::Add | MaskCombine::Max) {
+                    bounds = grid.bounds();
+                }
+                continue;
+            }
+            let seen = term.source.layer().and_then(|seen| find_layer(layers, Some(seen)).ok());
+            // Where the other layer has nothing painted the term is 0.
+            let nothing = seen.and_then(|seen| match term.source {
+                MaskSource::Heights { low, high, .. } => {
+                    let constant_m = f64::from(seen.constant_m) * seen.transform.height_scale;
+                    (low < high && constant_m <= low).then_some((seen.heights, seen.transform))
+                }
+                MaskSource::Mask(_) => {
+                    let mask = composite::painted_mask(seen).filter(|mask| mask.constant == 0.0)?;
+                    Some((mask.field, mask.transform))
+                }
+                MaskSource::Gate(_) => None,
+            });
+            if let Some((field, transform)) = nothing {
+                let blur = (4.0 * term.blur_m / grid.spacing_m()).ceil() as i32 + 1;
+                let painted = painted_bounds(field, &transform)?;
+                let painted = if painted.is_empty() { painted } else { painted.grown(blur) };
+                bounds = bounds.intersection(&painted);
+            }
+        }
+    }
+    Ok(bounds)
 }
 
 fn run(
@@ -214,7 +277,7 @@ fn looked_at<'a>(layers: &'a [Layer], by: &[&Layer]) -> Vec<&'a Layer> {
 /// Stands for a layer's brush, all visible layers below it with their settings, and the layers that masks of these look at.
 fn hash_below(layers: &[Layer], layer: &Layer) -> Result<String> {
     // It counts by what it is made of, not by how much it counts.
-    let own = Layer { made_of: None, blend: Blend::default(), mask: None, ..held(layer) };
+    let own = Layer { made_of: None, made_mask: None, blend: Blend::default(), mask: None, ..held(layer) };
     let below = below(layers, layer);
     let looked_at = looked_at(layers, &below);
     let basis: Vec<Layer> = std::iter::once(own)
@@ -244,43 +307,55 @@ fn without_name(layer: &Layer) -> Layer {
     Layer { name: String::new(), position: 0, locked: false, ..layer.clone() }
 }
 
-/// Whether an effect that is kept shows something else than what it would be made into now.
+/// Whether what is kept of a layer, its effect or its mask, is something else than it would be made into now.
 ///
 /// # Errors
 /// [`Error::Store`] when the directory cannot be read.
 pub(crate) fn is_stale(store: &Store, layer: &Layer) -> Result<bool> {
+    let of_mask = match &layer.made_mask {
+        Some(made) => is_changed_since(store, layer, &made.made_of)?,
+        None => false,
+    };
+    Ok(of_mask || is_effect_stale(store, layer)?)
+}
+
+fn is_effect_stale(store: &Store, layer: &Layer) -> Result<bool> {
     if !layer.content.is_kept() {
         return Ok(false);
     }
     let Some(made_of) = &layer.made_of else { return Ok(true) };
+    // Its mask may have been painted beyond what it was made for.
+    let grid = store.grid();
+    let masked = mask_bounds(store.layers(), layer, &grid, store.layout(), |field| {
+        Ok(store.page_keys_in(field, 0, &grid.bounds())?)
+    })?;
+    let [x0, z0, x1, z1] = made_of.region;
+    let is_beyond = !masked.is_empty() && !SampleRect::new(x0, z0, x1, z1).contains(&masked);
+    Ok(is_beyond || is_changed_since(store, layer, made_of)?)
+}
+
+/// Whether anything that something was made of was changed since, within its region.
+fn is_changed_since(store: &Store, layer: &Layer, made_of: &MadeOf) -> Result<bool> {
     let layers = store.layers();
     if hash_below(layers, layer)? != made_of.layers {
         return Ok(true);
     }
     let [x0, z0, x1, z1] = made_of.region;
     let region = SampleRect::new(x0, z0, x1, z1);
-    // Its mask may have been painted beyond what it was made for.
-    let mut masked = store.grid().bounds();
-    for outer in with_groups(layers, layer) {
-        if let Some(mask) = outer.mask.filter(|_| outer.mask_constant == 0.0) {
-            let painted = store.page_keys_in(mask, 0, &store.grid().bounds())?;
-            masked = masked.intersection(&painted_bounds(store.layout(), &painted));
-        }
-    }
-    if !masked.is_empty() && !region.contains(&masked) {
-        return Ok(true);
-    }
     let is_newer = |field: FieldId, rect: &SampleRect| -> Result<bool> {
         Ok(store.newest_revision(field, rect)?.is_some_and(|newest| newest.0 > made_of.entry))
     };
     let below = below(layers, layer);
-    for other in below.iter().copied().chain(looked_at(layers, &below)) {
+    let fields = below.iter().copied().chain(looked_at(layers, &below));
+    let fields =
+        fields.flat_map(|other| [Some((other, other.heights)), other.mask.map(|mask| (other, mask))]);
+    // A mask looks at the layer's own heights, too.
+    let own = (layer.content == LayerContent::Heights).then_some((layer, layer.heights));
+    for (from, field) in fields.chain([own]).flatten() {
         // A moved layer's pages may lie anywhere.
-        let rect = if other.transform.is_identity() { region } else { store.grid().bounds() };
-        for field in [Some(other.heights), other.mask].into_iter().flatten() {
-            if is_newer(field, &rect)? {
-                return Ok(true);
-            }
+        let rect = if from.transform.is_identity() { region } else { store.grid().bounds() };
+        if is_newer(field, &rect)? {
+            return Ok(true);
         }
     }
     let mut selections = store.fields().iter().filter(|(_, field)| field.kind == FieldKind::Selection);
@@ -294,7 +369,9 @@ pub(crate) fn is_stale(store: &Store, layer: &Layer) -> Result<bool> {
 }
 
 fn is_made_by_selection(layer: &Layer) -> bool {
-    layer.content.procedure().is_some_and(|procedure| crate::apply::needs_selection(&procedure.brush))
+    let of_mask = layer.made_mask.as_ref().map(|made| &made.brush);
+    let brushes = layer.content.procedure().into_iter().chain(of_mask);
+    brushes.into_iter().any(|procedure| crate::apply::needs_selection(&procedure.brush))
 }
 
 fn is_masked_by_selection(layer: &Layer) -> bool {

@@ -6,32 +6,26 @@ mod keep;
 mod mask;
 mod order;
 
-use orogeny_brush::Executor;
-use orogeny_field::{
-    LayerContent, LayerReference, MAX_MASK_TERMS, MaskSource, MaskTerm, PageKey, PageLayout, TerrainGrid,
-};
+use orogeny_field::{LayerContent, LayerReference, MAX_MASK_TERMS, MaskSource, MaskTerm, PageKey};
 use orogeny_store::{Layer, NewLayer, Recording};
 
 pub(crate) use keep::is_stale;
 
-use crate::composite::{self, Compositor, with_groups};
+use crate::apply::Site;
+use crate::composite::{self, with_groups};
 use crate::operation::{
-    AddLayer, DuplicateLayer, LayerOperation, MoveLayer, RefreshLayer, RemoveLayer, SetLayer,
+    AddLayer, DuplicateLayer, LayerOperation, MoveLayer, RefreshLayer, RemoveLayer, SetLayer, SetMask,
 };
 use crate::terrain::find_layer;
-use crate::{Error, Observer, Result, resources};
+use crate::{Error, Result, resources};
 
 /// The most layers of a terrain.
 const MAX_LAYERS: usize = 256;
 
 /// What an operation on layers works with.
-pub(crate) struct Stack<'a, 'recorder> {
-    pub(crate) grid: TerrainGrid,
-    pub(crate) layout: PageLayout,
+pub(crate) struct Stack<'a, 'site, 'recorder> {
+    pub(crate) site: &'a mut Site<'site>,
     pub(crate) recording: &'a mut Recording<'recorder>,
-    pub(crate) compositor: &'a mut Compositor,
-    pub(crate) executor: &'a mut dyn Executor,
-    pub(crate) observer: &'a mut dyn Observer,
     /// Pages that were changed.
     pub(crate) written: Vec<PageKey>,
 }
@@ -44,7 +38,7 @@ pub(crate) struct Changed {
     pub(crate) made_layer: Option<u32>,
 }
 
-impl Stack<'_, '_> {
+impl Stack<'_, '_, '_> {
     /// Does an operation.
     ///
     /// # Errors
@@ -71,7 +65,7 @@ impl Stack<'_, '_> {
             LayerOperation::SetMask(set) => self.set_mask(set).map(|()| None)?,
             LayerOperation::RefreshLayer(RefreshLayer { layer }) => {
                 let layer = self.layer(layer)?;
-                self.refresh(&layer).map(|()| None)?
+                self.refresh_all(&layer).map(|()| None)?
             }
         };
         Ok(Changed { recorded: operation, made_layer })
@@ -82,6 +76,12 @@ impl Stack<'_, '_> {
         let layers = self.recording.layers();
         for reference in operation.layers_mut() {
             *reference = LayerReference::Id(find_layer(layers, Some(reference))?.id);
+        }
+        if let LayerOperation::SetMask(SetMask { layer, brush: Some(procedure), .. }) = operation {
+            let layer = find_layer(self.recording.layers(), Some(layer))?;
+            mask::check_brush(layer, procedure)?;
+            let (brush, _) = resources::load(&procedure.brush, self.recording)?;
+            *procedure.brush = orogeny_brush::resolved(&brush);
         }
         let (content, terms): (_, &mut [MaskTerm]) = match operation {
             LayerOperation::AddLayer(AddLayer { content, mask, .. }) => (Some(content), mask),
@@ -94,7 +94,7 @@ impl Stack<'_, '_> {
             if let Some(procedure) = content.procedure_mut() {
                 let (brush, resources) = resources::load(&procedure.brush, self.recording)?;
                 *procedure.brush = orogeny_brush::resolved(&brush);
-                composite::check(self.grid, self.layout, procedure, resources, self.executor)?;
+                composite::check(self.site.grid, self.site.layout, procedure, resources, self.site.executor)?;
             }
         }
         if terms.len() > MAX_MASK_TERMS {
@@ -147,9 +147,9 @@ impl Stack<'_, '_> {
         check_share(&add.name, "opacity", add.opacity)?;
         add.transform.check()?;
         check_transform(&add.name, &add.content, &add.transform)?;
-        if add.height != 0.0 && add.content != LayerContent::Heights {
-            let why = "only a layer of heights has one of its own: add one of these below".to_owned();
-            return Err(Error::LayerRefused { name: add.name.clone(), done: "given a height", why });
+        if add.content != LayerContent::Heights && add.height != 0.0 {
+            let (name, why) = (add.name.clone(), "it is not made of heights".to_owned());
+            return Err(Error::LayerRefused { name, done: "given a `height`", why });
         }
         let group = self.group(add.group.as_ref())?;
         let made = self.make(&add.name, add.height)?;
@@ -193,8 +193,7 @@ impl Stack<'_, '_> {
         }
         if let Some(content) = &set.content {
             if content.name() != layer.content.name() {
-                let why =
-                    format!("it is a {} layer; add one of the other kind instead", layer.content.name());
+                let why = format!("its type is `{}`: add a layer of the other one", layer.content.name());
                 return Err(refused(&layer, "made of something else", why));
             }
             layer.content = content.clone();
@@ -246,7 +245,6 @@ impl Stack<'_, '_> {
 
     fn remove(&mut self, remove: &RemoveLayer) -> Result<()> {
         let layer = self.layer(&remove.layer)?;
-        self.refuse_locked(&layer)?;
         let mut removed = vec![layer.id];
         if remove.members {
             removed = order::with_members(self.recording.layers(), layer.id);

@@ -11,7 +11,10 @@ use crate::{Error, Presets, Result};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
-    /// The layer's heights.
+    /// The heights that are seen, of which a layer that adds to what is below it keeps the difference; of any other layer its own
+    /// heights.
+    Seen,
+    /// The layer's own heights, whatever they come to with what is below.
     Heights,
     /// The layer's mask, 0..1; one that was never painted is 1 everywhere.
     Mask,
@@ -20,9 +23,14 @@ pub enum Target {
 }
 
 impl Target {
-    /// Where a brush goes that does not say: brushes for masks to the mask, all others to the heights.
+    /// Where a brush goes that does not say: brushes for masks to the mask, all others to the heights that are seen.
     const fn of(brush: &Brush) -> Self {
-        if brush.brush_type.is_for_masks() { Self::Mask } else { Self::Heights }
+        if brush.brush_type.is_for_masks() { Self::Mask } else { Self::Seen }
+    }
+
+    /// Whether it is heights, and no mask.
+    pub(crate) const fn is_heights(self) -> bool {
+        matches!(self, Self::Seen | Self::Heights)
     }
 }
 
@@ -195,9 +203,9 @@ impl BrushOperation {
 /// Where an operation goes.
 fn target(given: Option<Target>, brush: &Brush) -> Result<Target> {
     let target = given.unwrap_or_else(|| Target::of(brush));
-    if target == Target::Heights && brush.brush_type.is_for_masks() {
-        let detail =
-            format!("`target` is `heights`, and `{}` is for masks and selections", brush.brush_type.name());
+    if target.is_heights() && brush.brush_type.is_for_masks() {
+        let name = brush.brush_type.name();
+        let detail = format!("`target` is heights, and `{name}` is for masks and selections");
         return Err(Error::Operation { place: "the operation".to_owned(), detail });
     }
     Ok(target)

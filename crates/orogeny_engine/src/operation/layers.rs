@@ -1,6 +1,8 @@
 //! The layer stack as operations.
 
-use orogeny_field::{Blend, DataSource, LayerContent, LayerReference, LayerTransform, MaskSource, MaskTerm};
+use orogeny_field::{
+    Blend, DataSource, LayerContent, LayerReference, LayerTransform, MaskSource, MaskTerm, Procedure,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -166,6 +168,10 @@ pub struct SetMask {
     /// What it is painted with.
     #[serde(default)]
     pub from: MaskFrom,
+    /// A brush for masks that paints it, over a mask that counts nowhere, as a fill of the whole terrain: where water gathers, say.
+    /// What it came to is kept, and can be refreshed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub brush: Option<Procedure>,
     /// Whether what is painted is inverted then.
     #[serde(default)]
     pub invert: bool,
@@ -229,10 +235,12 @@ impl LayerOperation {
     /// # Errors
     /// As [`super::Operation::from_json_with`].
     pub(super) fn from_json_with(mut value: Value, presets: &Presets) -> Result<Self> {
-        if let Some(brush) = value.pointer_mut("/content/brush")
-            && let Value::Object(object) = brush
-        {
-            *brush = Value::Object(presets.brush(object)?.to_json());
+        for place in ["/content/brush", "/brush/brush"] {
+            if let Some(brush) = value.pointer_mut(place)
+                && let Value::Object(object) = brush
+            {
+                *brush = Value::Object(presets.brush(object)?.to_json());
+            }
         }
         let operation: Self =
             serde_json::from_value(value).map_err(|err| not_understood("the operation", &err))?;
@@ -322,13 +330,17 @@ impl LayerOperation {
 
     /// All data from outside that it names.
     pub(super) fn sources_mut(&mut self) -> Vec<&mut DataSource> {
+        let mut of_mask = None;
         let (content, terms): (Option<&mut LayerContent>, &mut [MaskTerm]) = match self {
             Self::AddLayer(AddLayer { content, mask, .. }) => (Some(content), mask),
             Self::SetLayer(SetLayer { content, .. }) => (content.as_mut(), &mut []),
-            Self::SetMask(SetMask { terms: Some(terms), .. }) => (None, terms),
+            Self::SetMask(SetMask { brush, terms, .. }) => {
+                of_mask = brush.as_mut().map(|procedure| &mut *procedure.brush);
+                (None, terms.as_deref_mut().unwrap_or_default())
+            }
             _ => (None, &mut []),
         };
-        let brush = content.and_then(|content| Some(&mut *content.procedure_mut()?.brush));
+        let brush = content.and_then(|content| Some(&mut *content.procedure_mut()?.brush)).or(of_mask);
         let of_terms = terms.iter_mut().filter_map(|term| match &mut term.source {
             MaskSource::Gate(gate) => resources::image_of(Some(gate)),
             MaskSource::Heights { .. } | MaskSource::Mask(_) => None,
@@ -359,7 +371,7 @@ mod tests {
             r#"{"op": "remove_layer", "layer": "Ridges"}"#,
             r#"{"op": "duplicate_layer", "layer": "Ridges"}"#,
             r#"{"op": "collapse_layer", "layer": "Ridges", "below": true}"#,
-            r#"{"op": "set_mask", "layer": "Ridges", "from": "selection", "invert": true, "scale": 0.5}"#,
+            r#"{"op": "set_mask", "layer": "Ridges", "brush": {"brush": {"type": "flow_mask"}}, "invert": true, "scale": 0.5}"#,
             r#"{"op": "refresh_layer", "layer": 9}"#,
         ];
         for (text, name) in texts.into_iter().zip(LayerOperation::NAMES) {

@@ -2,10 +2,11 @@
 
 mod brush;
 mod layers;
+pub(crate) mod select;
 
 use std::path::Path;
 
-use orogeny_field::{Brush, DataSource, LayerReference};
+use orogeny_field::{Brush, DataSource, LayerReference, Selecting};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -20,11 +21,14 @@ use crate::{Error, Presets, Result};
 
 /// Something that changes a terrain.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "most operations are brushes, and few are in memory at once")]
 pub enum Operation {
     /// A brush is applied.
     Brush(BrushOperation),
     /// The layer stack, or a layer's mask, is changed.
     Layers(LayerOperation),
+    /// The terrain's selection is changed.
+    Select(Selecting),
 }
 
 impl Operation {
@@ -58,9 +62,13 @@ impl Operation {
         if LayerOperation::NAMES.contains(&name) {
             return Ok(Self::Layers(LayerOperation::from_json_with(value, presets)?));
         }
+        if name == select::NAME {
+            return Ok(Self::Select(select::from_json(value)?));
+        }
         let known: Vec<_> = BrushOperation::NAMES
             .iter()
             .chain(&LayerOperation::NAMES)
+            .chain([&select::NAME])
             .map(|name| format!("`{name}`"))
             .collect();
         Err(Error::Operation {
@@ -75,6 +83,7 @@ impl Operation {
         match self {
             Self::Brush(operation) => operation.name(),
             Self::Layers(operation) => operation.name(),
+            Self::Select(_) => select::NAME,
         }
     }
 
@@ -86,6 +95,7 @@ impl Operation {
             Self::Layers(operation) => {
                 operation.content().and_then(|content| Some(&*content.procedure()?.brush))
             }
+            Self::Select(_) => None,
         }
     }
 
@@ -94,13 +104,14 @@ impl Operation {
         match self {
             Self::Brush(operation) => resources::sources(operation.brush_mut()).collect(),
             Self::Layers(operation) => operation.sources_mut(),
+            Self::Select(selecting) => resources::image_of(selecting.gate_mut()).into_iter().collect(),
         }
     }
 
     /// The id that was recorded of the layer that it made.
     pub(crate) const fn recorded_id(&self) -> Option<u32> {
         match self {
-            Self::Brush(_) => None,
+            Self::Brush(_) | Self::Select(_) => None,
             Self::Layers(operation) => operation.recorded_id(),
         }
     }
@@ -110,6 +121,7 @@ impl Operation {
         match self {
             Self::Brush(operation) => operation.layers_mut(),
             Self::Layers(operation) => operation.layers_mut(),
+            Self::Select(selecting) => selecting.layer_mut().into_iter().collect(),
         }
     }
 
@@ -119,6 +131,7 @@ impl Operation {
         match self {
             Self::Brush(operation) => operation.layer(),
             Self::Layers(operation) => operation.layer(),
+            Self::Select(selecting) => selecting.layer(),
         }
     }
 }

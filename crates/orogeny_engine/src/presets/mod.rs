@@ -25,7 +25,7 @@ pub use gallery::Gallery;
 pub use preset::Preset;
 pub use sample::{Sample, SampleGround, SampleKind};
 
-use crate::{Error, Result};
+use crate::{Error, Result, resources};
 
 /// Where a preset comes from.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -158,6 +158,16 @@ impl Presets {
     /// As [`Self::brush_object`]; [`Error::Field`] naming the field.
     pub fn brush(&self, object: &Map<String, Value>) -> Result<Brush> {
         Ok(Brush::from_json(&self.brush_object(object)?)?)
+    }
+
+    /// As [`Self::brush`]; relative names of files in it are relative to a folder: that of the file it was read from.
+    ///
+    /// # Errors
+    /// As [`Self::brush`].
+    pub fn brush_in(&self, object: &Map<String, Value>, folder: &Path) -> Result<Brush> {
+        let mut brush = self.brush(object)?;
+        resources::resolve_files(resources::sources(&mut brush).collect(), folder);
+        Ok(brush)
     }
 
     /// A brush object that names no preset: fields beside `preset` take the place of the preset's. They are not looked at.

@@ -105,11 +105,11 @@ impl Sample {
 
 fn stroke(brush: Brush, points: Vec<PointerSample>) -> Operation {
     let stroke = Stroke { brush, seed: 1, points };
-    Operation::Brush(BrushOperation::Stroke { layer: None, target: Target::Heights, stroke })
+    Operation::Brush(BrushOperation::Stroke { layer: None, target: Target::Seen, stroke })
 }
 
 fn fill(brush: Brush) -> Operation {
-    let target = Target::Heights;
+    let target = Target::Seen;
     Operation::Brush(BrushOperation::Fill { layer: None, target, brush, seed: 1, region_m: None })
 }
 

@@ -6,6 +6,7 @@
 //! file are read from memory meanwhile, so what was painted is seen at once. Should a commit fail, the operation that was
 //! being painted on top of it fails with it, and the terrain is as it was before both.
 
+mod recent;
 mod state;
 mod thread;
 
@@ -16,6 +17,7 @@ use std::thread::JoinHandle;
 use orogeny_field::{Page, PageKey, PageLayout};
 
 use crate::{Change, Dropped, EntryId, Error, Layer, NewLayer, Result, Store, Transaction};
+use recent::Recent;
 use state::{Kept, Shared};
 use thread::Task;
 
@@ -29,6 +31,8 @@ pub struct Recorder {
     shared: Arc<Shared>,
     /// Bytes of pages on their way that painting may be ahead.
     max_pending_bytes: u64,
+    /// Pages as they are now, with what was painted.
+    recent: Recent,
     /// The last entry that was handed over.
     last_entry: EntryId,
 }
@@ -56,11 +60,11 @@ pub struct Recording<'recorder> {
 
 impl Recorder {
     /// Takes a store that is open for writing. Painting may be `max_pending_bytes` of pages ahead of the file; at least one
-    /// write is always accepted.
+    /// write is always accepted. `max_recent_bytes` of the pages used last stay in memory.
     ///
     /// # Errors
     /// When the file cannot be opened a second time, for reading; [`Error::OpenedToRead`].
-    pub fn start(store: Store, max_pending_bytes: u64) -> Result<Self> {
+    pub fn start(store: Store, max_pending_bytes: u64, max_recent_bytes: u64) -> Result<Self> {
         store.refuse_unless_writable()?;
         let reader = Store::open_to_read(store.path())?;
         let last_entry = EntryId(reader.document.last_entry);
@@ -73,6 +77,7 @@ impl Recorder {
             thread: Some(thread),
             shared,
             max_pending_bytes,
+            recent: Recent::new(max_recent_bytes),
             last_entry,
         })
     }
@@ -91,6 +96,27 @@ impl Recorder {
     /// [`Error::DamagedPage`] when the page fails its checksum or does not decode.
     pub fn load_page(&self, key: &PageKey) -> Result<Option<Arc<Page>>> {
         self.load(key, None)
+    }
+
+    /// Reads pages, with what is on its way to the file, decoded on all cores; a page that cannot be trusted comes as its error.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn load_pages(&self, keys: &[PageKey]) -> Result<Vec<Result<Option<Arc<Page>>>>> {
+        let is_on_disk =
+            |key: &&PageKey| self.recent.get(key).is_none() && self.shared.lock().kept(key, None).is_none();
+        let on_disk: Vec<PageKey> = keys.iter().filter(is_on_disk).copied().collect();
+        let mut from_disk = on_disk.iter().zip(self.on_disk()?.load_pages(&on_disk)?).peekable();
+        let mut pages = Vec::with_capacity(keys.len());
+        for key in keys {
+            // What was on its way then may have arrived, but not the other way round.
+            let page = from_disk.next_if(|(of, _)| *of == key).map(|(_, page)| page);
+            if let Some(Ok(page)) = &page {
+                self.recent.put(*key, page.clone());
+            }
+            pages.push(page.unwrap_or_else(|| self.load_page(key)));
+        }
+        Ok(pages)
     }
 
     /// Starts an operation.
@@ -166,6 +192,7 @@ impl Recorder {
         work: impl FnOnce(&mut Store) -> Result<T> + Send + 'static,
     ) -> Result<T> {
         self.flush()?;
+        self.recent.clear();
         let (reply, replied) = sync_channel(1);
         self.send(Task::WithStore(Box::new(move |store| {
             // Whoever asked may have stopped waiting.
@@ -180,7 +207,7 @@ impl Recorder {
     #[must_use]
     pub fn memory_in_bytes(&self) -> u64 {
         let state = self.shared.lock();
-        state.pending_bytes + state.cached_bytes
+        state.pending_bytes + state.cached_bytes + self.recent.size_in_bytes()
     }
 
     /// Waits until everything finished is on disk, and closes the terrain as [`Store::close`].
@@ -206,7 +233,22 @@ impl Recorder {
 
     /// The page as of the entry `before`, without it; as of now for `None`.
     fn load(&self, key: &PageKey, before: Option<u64>) -> Result<Option<Arc<Page>>> {
-        let kept = self.shared.lock().kept(key, before);
+        let (kept, is_now) = {
+            let state = self.shared.lock();
+            (state.kept(key, before), before.is_none_or(|before| !state.is_painted_since(key, before)))
+        };
+        if !is_now {
+            return self.load_kept(key, before, kept);
+        }
+        if let Some(page) = self.recent.get(key) {
+            return Ok(page);
+        }
+        let page = self.load_kept(key, before, kept)?;
+        self.recent.put(*key, page.clone());
+        Ok(page)
+    }
+
+    fn load_kept(&self, key: &PageKey, before: Option<u64>, kept: Option<Kept>) -> Result<Option<Arc<Page>>> {
         match kept {
             Some(Kept::InMemory(page)) => Ok(Some(page)),
             Some(Kept::InTransaction) => {
@@ -226,6 +268,8 @@ impl Recorder {
         };
         match failure {
             Some(err) => {
+                // What was painted is taken back.
+                self.recent.clear();
                 self.look_again()?;
                 Err(err)
             }
@@ -317,6 +361,9 @@ impl Recording<'_> {
         let pages: Vec<_> = pages.into_iter().map(|(key, page)| (key, Arc::new(page))).collect();
         self.recorder.shared.wait_for_room(&pages, self.recorder.max_pending_bytes);
         self.refuse_after_failure()?;
+        for (key, page) in &pages {
+            self.recorder.recent.put(*key, Some(Arc::clone(page)));
+        }
         self.recorder.shared.lock().add_pages(self.number, &pages);
         self.recorder.send(Task::Write { number: self.number, pages })
     }
@@ -447,6 +494,7 @@ impl Recording<'_> {
 impl Drop for Recording<'_> {
     fn drop(&mut self) {
         if !self.is_finished {
+            self.recorder.recent.clear();
             // Where the thread is gone there is nothing to take back.
             self.recorder.send(Task::Abort { last_number: self.number }).ok();
             self.recorder.shared.wait_until_taken_back(self.number);

@@ -72,6 +72,11 @@ impl State {
         self.entries.iter().rev().filter(is_asked_for).find_map(|entry| entry.pages.get(key).cloned())
     }
 
+    /// Whether an entry from `since` on painted a page.
+    pub(super) fn is_painted_since(&self, key: &PageKey, since: u64) -> bool {
+        self.entries.iter().any(|entry| entry.number >= since && entry.pages.contains_key(key))
+    }
+
     /// Pages have reached the transaction.
     pub(super) fn pages_written(&mut self, number: u64, pages: &[(PageKey, Arc<Page>)]) {
         self.pending_bytes -= pages.iter().map(|(_, page)| size_of(page)).sum::<u64>();

@@ -13,7 +13,7 @@ const AMPLE_BYTES: u64 = 1 << 30;
 fn recorder(scratch: &Scratch, max_pending_bytes: u64) -> (Recorder, PageKey) {
     let store = scratch.create();
     let at = key(&store, 1, 1);
-    (Recorder::start(store, max_pending_bytes).unwrap(), at)
+    (Recorder::start(store, max_pending_bytes, 1 << 20).unwrap(), at)
 }
 
 fn read(recorder: &Recorder, key: &PageKey) -> Option<Vec<u32>> {
@@ -88,7 +88,7 @@ fn a_dropped_recording_leaves_no_trace() {
     recording.record("{}".to_owned(), "test").unwrap();
     recording.write_pages(vec![(at, page(2))]).unwrap();
     drop(recording);
-    assert_eq!((read(&recorder, &at), recorder.memory_in_bytes()), (None, 0));
+    assert_eq!((recorder.memory_in_bytes(), read(&recorder, &at)), (0, None));
     let mut recording = recorder.begin().unwrap();
     assert_eq!(recording.layers().len(), 1);
     recording.write_pages(vec![(at, page(3))]).unwrap();
@@ -200,7 +200,7 @@ fn only_a_store_that_is_open_for_writing_can_be_recorded_to() {
     let scratch = Scratch::new();
     scratch.create().close().unwrap();
     let reader = Store::open_to_read(&scratch.path()).unwrap();
-    assert!(matches!(Recorder::start(reader, 0), Err(Error::OpenedToRead { .. })));
+    assert!(matches!(Recorder::start(reader, 0, 1 << 20), Err(Error::OpenedToRead { .. })));
 }
 
 #[test]

@@ -10,7 +10,7 @@ fn what_failed_in_a_recording_that_was_dropped_fails_nothing_after_it() {
     let scratch = Scratch::new();
     let store = scratch.create();
     let field = store.layers()[0].heights;
-    let mut recorder = Recorder::start(store, 1 << 20).unwrap();
+    let mut recorder = Recorder::start(store, 1 << 20, 1 << 20).unwrap();
     let (inside, outside) = (PageKey::full_resolution(field, 0, 0), PageKey::full_resolution(field, 99, 0));
     for round in 0..10 {
         let mut recording = recorder.begin().unwrap();

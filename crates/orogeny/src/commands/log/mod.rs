@@ -1,5 +1,9 @@
 //! `log`: what was done.
 
+mod layers;
+mod select;
+mod summary;
+
 use std::fmt;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -10,6 +14,7 @@ use orogeny_engine::{Entry, EntryId, EntryState};
 use serde::Serialize;
 use serde_json::Value;
 
+use self::summary::summary;
 use crate::output::{count, text_of};
 use crate::session::Session;
 
@@ -100,60 +105,9 @@ fn age(time_unix_ms: i64, now: SystemTime) -> String {
     }
 }
 
-/// An operation in a line.
-fn summary(operation: &Value) -> String {
-    let field = |path: &str| operation.pointer(path);
-    let name = field("/op").and_then(Value::as_str).unwrap_or("?");
-    let mut line = name.to_owned();
-    if let Some(brush) = field("/brush/type").and_then(Value::as_str) {
-        line.push_str(&format!(" {brush}"));
-    }
-    if let Some(name) = field("/name").and_then(Value::as_str) {
-        line.push_str(&format!(" `{name}`"));
-    }
-    if let Some(content) = field("/content/type").and_then(Value::as_str) {
-        let brush = field("/content/brush/type").and_then(Value::as_str);
-        line.push_str(&brush.map_or_else(|| format!(", {content}"), |brush| format!(", {content} {brush}")));
-    }
-    // A fill has no instances, and for all but one brush no radius.
-    let is_stroke = field("/points").is_some();
-    for (what, path, unit) in [
-        ("radius", "/brush/radius", " m"),
-        ("strength", "/brush/strength", ""),
-        ("height", "/brush/height", " m"),
-        ("region", "/region", ""),
-        ("file", "/file", ""),
-    ] {
-        match field(path).filter(|_| what != "radius" || is_stroke) {
-            Some(Value::Number(number)) => {
-                line.push_str(&format!(", {what} {}{unit}", number.as_f64().unwrap_or_default()));
-            }
-            Some(value) => line.push_str(&format!(", {what} {value}{unit}")),
-            None => {}
-        }
-    }
-    if let Some(points) = field("/points").and_then(Value::as_array) {
-        line.push_str(&format!(", {}", count(points.len() as u64, "point")));
-    }
-    line
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn operations_are_told_in_a_line() {
-        let stroke = serde_json::json!({
-            "op": "stroke", "layer": 1, "brush": {"type": "raise", "radius": 40.5, "strength": 12.0}, "points": [[1, 2]]
-        });
-        assert_eq!(summary(&stroke), "stroke raise, radius 40.5 m, strength 12, 1 point");
-        let fill =
-            serde_json::json!({"op": "fill", "brush": {"type": "roughen", "radius": 50.0, "strength": 0.5}});
-        assert_eq!(summary(&fill), "fill roughen, strength 0.5");
-        assert_eq!(summary(&serde_json::json!({"op": "import", "file": "a.tif"})), r#"import, file "a.tif""#);
-        assert_eq!(summary(&Value::Null), "?");
-    }
 
     #[test]
     fn ages_are_told_and_clocks_may_be_wrong() {
