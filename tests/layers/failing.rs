@@ -85,7 +85,7 @@ fn what_is_refused_says_why_and_changes_nothing() {
         (dab("Rocks", "heights", "raise", 500.0, [1000.0, 1000.0]), "collapse"),
         (dab("Massif", "heights", "raise", 500.0, [1000.0, 1000.0]), "group"),
         (set("Rocks", "transform", json!({"rotate": 10})), "noise"),
-        (set("Base", "content", json!({"type": "group"})), "heights layer"),
+        (set("Base", "content", json!({"type": "group"})), "something else"),
         (on("collapse_layer", "Base"), "lie where they are"),
         (on("collapse_layer", "Massif"), "group"),
         (on("duplicate_layer", "Massif"), "group"),

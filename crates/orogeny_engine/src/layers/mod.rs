@@ -103,7 +103,7 @@ impl Stack<'_, '_, '_> {
         }
         for term in terms {
             term.check()?;
-            composite::check_term(self.grid, term)?;
+            composite::check_term(self.site.grid, term)?;
             match &mut term.source {
                 MaskSource::Gate(gate) => {
                     resources::keep_image(gate, self.recording)?;
