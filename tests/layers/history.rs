@@ -94,6 +94,7 @@ fn without_ids(layers: &[Layer]) -> Vec<Value> {
             "mask": layer.mask.map(|_| layer.mask_constant), "visible": layer.visible, "locked": layer.locked,
             "opacity": layer.opacity, "blend": layer.blend, "transform": layer.transform, "group": layer.group.map(name_of),
             "region": layer.made_of.as_ref().map(|made_of| made_of.region),
+            "made mask": layer.made_mask.as_ref().map(|made| json!([made.brush, made.invert, made.scale, made.made_of.region])),
         })
     };
     layers.iter().map(plain).collect()
