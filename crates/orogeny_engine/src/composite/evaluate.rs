@@ -117,13 +117,17 @@ impl Compositor {
 
     /// Samples of fields were changed, at full resolution: what was worked out of them, at any level, is noted as stale.
     pub(crate) fn forget(&mut self, terrain: &TerrainGrid, layout: PageLayout, changes: &[Change]) {
+        // What was worked out of layers that are hidden, for a brush on one of them, is not kept up with what changes.
+        let nodes = Arc::clone(&self.nodes);
+        let is_hidden = |layer: u32| nodes.iter().all(|node| node.id != layer);
+        self.cache.drop_where(|key| key.kind == Kind::Result && is_hidden(key.layer));
         if changes.is_empty() || self.nodes.iter().all(|node| !node.is_barrier()) {
             return;
         }
         let top = layout.top_level(terrain);
         // For each level what changed of what is below the node.
         let mut changed = vec![SampleRect::EMPTY; usize::from(top) + 1];
-        for node in Arc::clone(&self.nodes).iter() {
+        for node in nodes.iter() {
             for stored in node.fields() {
                 let mut rect = rect_of(changes, |field| field == stored.field);
                 for (level, changed) in (0..).zip(&mut changed) {
@@ -185,7 +189,7 @@ impl Compositor {
         self.cache.size_in_bytes() + executor.map_or(0, |memory| memory.host_in_bytes)
     }
 
-    /// What the lowest `num_nodes` layers come to in a rectangle, which lies within the terrain.
+    /// What layers, from the lowest, come to in a rectangle, which lies within the terrain.
     pub(crate) fn heights(&mut self, look: &mut Look<'_>, nodes: &[Node], rect: SampleRect) -> Result<Plane> {
         let num_above = nodes.iter().rev().take_while(|node| !node.is_barrier()).count();
         let (below, above) = nodes.split_at(nodes.len() - num_above);
