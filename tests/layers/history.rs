@@ -32,7 +32,7 @@ fn every_operation_is_undone_and_redone_to_the_bit() {
     let before = seen(&site);
     let changes = rich::changes();
     for change in &changes {
-        site.apply(&[change.clone()]);
+        site.apply(std::slice::from_ref(change));
         let after = seen(&site);
         assert_ne!(before.0, after.0, "{change}");
         site.terrain.undo(1).unwrap();

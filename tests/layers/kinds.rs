@@ -203,7 +203,7 @@ fn heights_told_of_the_terrain_are_those_of_all_of_it() {
         json!({"op": "set_layer", "layer": "Deep", "visible": false}),
         json!({"op": "add_layer", "name": "Even", "height": 7, "blend": "laplacian", "opacity": 0.5}),
     ] {
-        site.apply(&[operation.clone()]);
+        site.apply(std::slice::from_ref(&operation));
         assert_told(&site, &operation.to_string());
     }
     println!("{num} stacks");
@@ -224,7 +224,7 @@ fn a_reader_beside_the_writer_keeps_nothing_stale() {
     ];
     for stroke in &strokes {
         let before = composite(&reader, 0);
-        site.apply(&[stroke.clone()]);
+        site.apply(std::slice::from_ref(stroke));
         for level in [1, 0] {
             let found = composite(&reader, level);
             assert_same(&composite(&site.terrain, level), &found, &format!("{stroke} at level {level}"));

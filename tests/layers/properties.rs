@@ -159,7 +159,7 @@ proptest! {
         let before = mask(&site);
         let whole = site.composites();
         let invert = json!({"op": "set_mask", "layer": layer.id, "invert": true});
-        site.apply(&[invert.clone()]);
+        site.apply(std::slice::from_ref(&invert));
         if layer.mask_terms.is_empty() && layer.group.is_none() {
             let inverse = Plane::new(before.width(), before.depth(), before.samples().iter().map(|weight| 1.0 - weight).collect());
             assert_near(&inverse, &mask(&site), 1.0e-7, "inverted");

@@ -11,7 +11,7 @@ use orogeny_store::Layer;
 use rayon::prelude::*;
 
 use super::cache::{Cache, CacheKey, Kind};
-use super::content::{cropped, cut, paste, patch, stored};
+use super::content::{cropped, cut, patch, stored};
 use super::live::{self, BELOW, GROUND, HEIGHTS, WEIGHTS};
 use super::node::{Content, Node, nodes};
 use super::weights::{self, weights};
@@ -344,7 +344,7 @@ impl Compositor {
         for place in layout.pages_in(rect) {
             match self.cache.get(&key_of(place)) {
                 Some((page, of_page)) if of_page.is_empty() => {
-                    paste(&page, page_rect(layout, &key_of(place)), &rect, &mut plane);
+                    plane.paste(&page, &page_rect(layout, &key_of(place)), &rect);
                 }
                 Some((page, of_page)) => {
                     stale = stale.bounds_with(&of_page);
@@ -361,7 +361,7 @@ impl Compositor {
                 let key = key_of(place);
                 let mut page = Arc::unwrap_or_clone(page);
                 patch(&mut page, page_rect(layout, &key), &of_page.intersection(&bounds), &made);
-                paste(&page, page_rect(layout, &key), &rect, &mut plane);
+                plane.paste(&page, &page_rect(layout, &key), &rect);
                 self.cache.put(key, Arc::new(page));
             }
         }
@@ -380,7 +380,7 @@ impl Compositor {
                 let key = key_of(place);
                 let of_page = page_rect(layout, &key);
                 let page = Arc::new(cut(&made, layout, of_page));
-                paste(&page, of_page, &rect, &mut plane);
+                plane.paste(&page, &of_page, &rect);
                 self.cache.put(key, page);
             }
         }
