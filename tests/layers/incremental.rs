@@ -213,6 +213,8 @@ fn run(seed: u64, counts: &mut BTreeMap<String, usize>) -> usize {
             .iter()
             .map(|(source, region_m, level)| read(&site.terrain, source, *region_m, *level))
             .collect();
+        // What was read is ahead of the file.
+        site.terrain.flush().unwrap();
         let fresh = afresh(&site.path);
         assert_eq!(fresh.layers().unwrap(), site.layers(), "seed {seed}, step {number}");
         for ((source, region_m, level), found) in looks.iter().zip(found) {
