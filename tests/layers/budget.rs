@@ -63,7 +63,7 @@ fn a_large_stack_keeps_to_its_budget_and_reads_right() {
         memory.pages_in_bytes
     };
     for operation in operations() {
-        site.apply(&[operation.clone()]);
+        site.apply_one(&operation);
         assert_within(&site.terrain, &operation.to_string());
     }
     assert_eq!(site.layers().len(), 10);

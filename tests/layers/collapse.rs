@@ -14,7 +14,7 @@ fn assert_keeps(site: &mut Site, collapse: &Value) {
     let layer = ExportSource::Layer(name(collapse["layer"].as_str().unwrap()));
     let below = collapse["below"] == true;
     let alone = (!below).then(|| read(&site.terrain, &layer, None, 0));
-    site.apply(&[collapse.clone()]);
+    site.apply_one(collapse);
     let what = collapse.to_string();
     assert_same(&before[0], &composite(&site.terrain, 0), &what);
     // Coarse levels are now those of what was baked: near what they were.

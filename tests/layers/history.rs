@@ -32,7 +32,7 @@ fn every_operation_is_undone_and_redone_to_the_bit() {
     let before = seen(&site);
     let changes = rich::changes();
     for change in &changes {
-        site.apply(&[change.clone()]);
+        site.apply_one(change);
         let after = seen(&site);
         assert_ne!(before.0, after.0, "{change}");
         site.terrain.undo(1).unwrap();
@@ -94,6 +94,7 @@ fn without_ids(layers: &[Layer]) -> Vec<Value> {
             "mask": layer.mask.map(|_| layer.mask_constant), "visible": layer.visible, "locked": layer.locked,
             "opacity": layer.opacity, "blend": layer.blend, "transform": layer.transform, "group": layer.group.map(name_of),
             "region": layer.made_of.as_ref().map(|made_of| made_of.region),
+            "made mask": layer.made_mask.as_ref().map(|made| json!([made.brush, made.invert, made.scale, made.made_of.region])),
         })
     };
     layers.iter().map(plain).collect()

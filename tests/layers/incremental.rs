@@ -28,8 +28,11 @@ enum Step {
     Shorten,
 }
 
-/// What is done next.
-fn step(maker: &mut Maker, layers: &[Layer]) -> Step {
+/// What is done next; often what was undone just before.
+fn step(maker: &mut Maker, layers: &[Layer], was_undone: bool) -> Step {
+    if was_undone && maker.chance(0.4) {
+        return Step::Redo(maker.random.one_of(&[1, 2]));
+    }
     let layer = maker.random.one_of(layers);
     let one = |operation: Value| Step::Apply(vec![operation]);
     match maker.random.bits() % 100 {
@@ -56,8 +59,13 @@ pub fn any(maker: &mut Maker, layers: &[Layer]) -> Value {
             let layer = maker.random.one_of(&paintable);
             maker.paint(&layer)
         }
-        3 | 4 => maker.paint_mask(&layer, "mask"),
-        5 => maker.paint_mask(&layer, "selection"),
+        3 if !paintable.is_empty() => {
+            let layer = maker.random.one_of(&paintable);
+            maker.paint_seen(&layer)
+        }
+        4 => maker.paint_mask(&layer, "mask"),
+        5 if maker.chance(0.5) => maker.paint_mask(&layer, "selection"),
+        5 => maker.select(&layer),
         _ => change(maker, &layer, layers),
     }
 }
@@ -72,6 +80,7 @@ fn change(maker: &mut Maker, layer: &Layer, layers: &[Layer]) -> Value {
         0..=3 => maker.add(layers),
         4 => maker.add_group(layers),
         5..=8 => maker.set(layer),
+        9 if maker.chance(0.5) => maker.make_mask(layer),
         9 | 10 => maker.set_mask(layer, layers),
         11 | 12 => maker.move_layer(layer, layers),
         13 => of("duplicate_layer"),
@@ -82,8 +91,8 @@ fn change(maker: &mut Maker, layer: &Layer, layers: &[Layer]) -> Value {
         }
         15 => json!({"op": "remove_layer", "layer": layer.id, "members": maker.chance(0.5)}),
         16 | 17 => {
-            let kept: Vec<u32> =
-                layers.iter().filter(|layer| layer.content.is_kept()).map(|layer| layer.id).collect();
+            let is_kept = |layer: &&Layer| layer.content.is_kept() || layer.made_mask.is_some();
+            let kept: Vec<u32> = layers.iter().filter(is_kept).map(|layer| layer.id).collect();
             if kept.is_empty() {
                 maker.set(layer)
             } else {
@@ -190,9 +199,10 @@ fn run(seed: u64, counts: &mut BTreeMap<String, usize>) -> usize {
     }
     let top = site.top_level();
     let mut past = Vec::new();
-    let mut num_reads = 0;
+    let (mut num_reads, mut was_undone) = (0, false);
     for number in 0..NUM_STEPS {
-        let step = step(&mut maker, &site.layers());
+        let step = step(&mut maker, &site.layers(), was_undone);
+        was_undone = matches!(step, Step::Undo(_));
         past.push(format!("{step:?}"));
         let is_done = take(&mut site, &mut maker, &step);
         let what = match &step {
@@ -213,6 +223,8 @@ fn run(seed: u64, counts: &mut BTreeMap<String, usize>) -> usize {
             .iter()
             .map(|(source, region_m, level)| read(&site.terrain, source, *region_m, *level))
             .collect();
+        // What was read is ahead of the file.
+        site.terrain.flush().unwrap();
         let fresh = afresh(&site.path);
         assert_eq!(fresh.layers().unwrap(), site.layers(), "seed {seed}, step {number}");
         for ((source, region_m, level), found) in looks.iter().zip(found) {
@@ -254,6 +266,7 @@ fn after_whatever_was_done_the_stack_is_that_of_the_file_opened_afresh() {
         "stroke",
         "fill",
         "recipe",
+        "select",
         "try_out",
         "undo",
         "redo",

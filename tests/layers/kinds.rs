@@ -119,9 +119,7 @@ fn a_layer_of_a_custom_brush_is_taken_by_who_can_run_it() {
 #[test]
 fn terrains_of_every_shape_have_stacks() {
     let mut num = 0;
-    for (number, sides) in
-        [[1, 1], [1, 70], [130, 1], [2, 3], [64, 64], [65, 64], [63, 129], [5, 300]].into_iter().enumerate()
-    {
+    for (number, sides) in [[1, 1], [1, 70], [2, 3], [64, 64], [130, 65], [5, 200]].into_iter().enumerate() {
         let mut site = Site::new(sides, 25.0, 64);
         let mut maker = Maker::new(0x5afe + number as u64, &site.terrain.grid());
         site.apply(&[json!({"op": "fill", "layer": "Base", "brush": maker.noise(150.0)})]);
@@ -203,7 +201,7 @@ fn heights_told_of_the_terrain_are_those_of_all_of_it() {
         json!({"op": "set_layer", "layer": "Deep", "visible": false}),
         json!({"op": "add_layer", "name": "Even", "height": 7, "blend": "laplacian", "opacity": 0.5}),
     ] {
-        site.apply(&[operation.clone()]);
+        site.apply_one(&operation);
         assert_told(&site, &operation.to_string());
     }
     println!("{num} stacks");
@@ -224,7 +222,7 @@ fn a_reader_beside_the_writer_keeps_nothing_stale() {
     ];
     for stroke in &strokes {
         let before = composite(&reader, 0);
-        site.apply(&[stroke.clone()]);
+        site.apply_one(stroke);
         for level in [1, 0] {
             let found = composite(&reader, level);
             assert_same(&composite(&site.terrain, level), &found, &format!("{stroke} at level {level}"));

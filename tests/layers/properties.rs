@@ -52,7 +52,7 @@ fn added(site: &mut Site, maker: &mut Maker, with: &[(&str, Value)]) -> Value {
     for gone in ["above", "group"] {
         add.as_object_mut().unwrap().remove(gone);
     }
-    site.apply(&[add.clone()]);
+    site.apply_one(&add);
     add
 }
 
@@ -159,7 +159,7 @@ proptest! {
         let before = mask(&site);
         let whole = site.composites();
         let invert = json!({"op": "set_mask", "layer": layer.id, "invert": true});
-        site.apply(&[invert.clone()]);
+        site.apply_one(&invert);
         if layer.mask_terms.is_empty() && layer.group.is_none() {
             let inverse = Plane::new(before.width(), before.depth(), before.samples().iter().map(|weight| 1.0 - weight).collect());
             assert_near(&inverse, &mask(&site), 1.0e-7, "inverted");

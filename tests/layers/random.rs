@@ -284,6 +284,51 @@ impl Maker {
         json!({"op": "stroke", "layer": layer.id, "target": target, "brush": brush, "points": [self.at_m(), self.at_m()]})
     }
 
+    /// A stroke or fill that looks at the heights that are seen, wherever it goes.
+    pub fn paint_seen(&mut self, layer: &Layer) -> Value {
+        let mut brush = match self.random.bits() % 4 {
+            0 => json!({"type": "smooth", "width": self.spacing_m * self.random.within(0.5, 6.0)}),
+            1 => json!({"type": "level", "strength": 0.7, "height": self.random.within(-50.0, 300.0)}),
+            2 => json!({"type": "raise", "strength": 40, "gate": self.gate()}),
+            _ => json!({"type": "terrace", "step": 30}),
+        };
+        let target = self.random.one_of(&["seen", "seen", "heights"]);
+        if self.chance(0.3) {
+            return json!({"op": "fill", "layer": layer.id, "target": target, "brush": brush, "region": self.region_m()});
+        }
+        brush["radius"] = (self.spacing_m * self.random.within(5.0, 40.0)).into();
+        json!({"op": "stroke", "layer": layer.id, "target": target, "brush": brush, "points": [self.at_m(), self.at_m()]})
+    }
+
+    /// A change of the selection in one step.
+    pub fn select(&mut self, layer: &Layer) -> Value {
+        let shape = match self.random.bits() % 6 {
+            0 => json!({"mask": layer.id}),
+            1 => json!({"gate": self.gate(), "region": self.region_m()}),
+            2 => json!({"gate": self.gate()}),
+            3 => json!({"lasso": [self.at_m(), self.at_m(), self.at_m(), self.at_m()]}),
+            4 => json!({"nothing": true}),
+            _ => json!({"rectangle": self.region_m()}),
+        };
+        let mut select = json!({"op": "select", "shape": shape, "invert": self.chance(0.2)});
+        select["combine"] = self.random.one_of(&["replace", "add", "subtract", "intersect"]).into();
+        if self.chance(0.4) {
+            select["grow"] = (self.spacing_m * self.random.within(0.0, 9.0)).into();
+            select["feather"] = (self.spacing_m * self.random.within(0.0, 6.0)).into();
+        }
+        select
+    }
+
+    /// A mask that a brush makes, and that is kept.
+    pub fn make_mask(&mut self, layer: &Layer) -> Value {
+        let brush = match self.random.bits() % 3 {
+            0 => json!({"type": "flow_mask", "from": 4000, "to": 4_000_000}),
+            1 => json!({"type": "rain_mask", "iterations": 4}),
+            _ => json!({"type": "paint_mask", "gate": self.gate()}),
+        };
+        json!({"op": "set_mask", "layer": layer.id, "brush": {"brush": brush, "seed": 4}, "invert": self.chance(0.3)})
+    }
+
     pub fn set_mask(&mut self, layer: &Layer, layers: &[Layer]) -> Value {
         let moved = layer.content == LayerContent::Heights && !layer.transform.is_identity();
         let from =

@@ -88,7 +88,7 @@ fn what_is_changed_below_makes_it_stale_and_nothing_else_does() {
         if change["content"]["type"] == "effect" {
             change["deferred"] = true.into();
         }
-        site.apply(&[change.clone()]);
+        site.apply_one(&change);
         assert_eq!(site.is_stale("Slid"), *expected, "{change}");
         site.terrain.undo(1).unwrap();
         assert!(!site.is_stale("Slid"), "{change} undone");
@@ -139,9 +139,9 @@ fn what_masks_below_look_at_makes_it_stale_too() {
     for (first, change) in &cases {
         let first: Vec<Value> = first.iter().filter(|operation| !operation.is_null()).cloned().collect();
         site.apply(&first);
-        site.apply(&[refresh.clone()]);
+        site.apply_one(&refresh);
         assert!(!site.is_stale("Slid"), "{first:?}");
-        site.apply(&[change.clone()]);
+        site.apply_one(change);
         assert!(site.is_stale("Slid"), "{first:?}, then {change}");
         site.terrain.undo(1).unwrap();
         assert!(!site.is_stale("Slid"), "{first:?}, then {change} undone");
@@ -167,7 +167,7 @@ fn worked_out_anew_it_is_what_it_would_be_if_it_were_added_now() {
         ];
         let add = json!({"op": "add_layer", "name": "Effect", "above": "Slid", "content": content});
         // Refreshed after what was painted …
-        site.apply(&[add.clone()]);
+        site.apply_one(&add);
         let first = composite(&site.terrain, 0);
         site.apply(&paint);
         assert!(site.is_stale("Effect"));

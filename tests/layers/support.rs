@@ -56,9 +56,11 @@ impl Site {
 
     /// Does operations, each of which must succeed.
     pub fn apply(&mut self, operations: &[Value]) {
-        for operation in operations {
-            self.try_to(operation).unwrap_or_else(|err| panic!("{operation}: {err}"));
-        }
+        operations.iter().for_each(|operation| self.apply_one(operation));
+    }
+
+    pub fn apply_one(&mut self, operation: &Value) {
+        self.try_to(operation).unwrap_or_else(|err| panic!("{operation}: {err}"));
     }
 
     pub fn try_to(&mut self, json: &Value) -> Result<()> {

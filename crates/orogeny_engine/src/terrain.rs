@@ -261,10 +261,16 @@ impl Terrain {
     pub(crate) fn composite(&self, source: Source, level: u8, rect: SampleRect) -> Result<Composite<'_>> {
         let max_band_bytes = band_bytes(self.settings.page_budget_in_bytes);
         let store = self.settled()?;
-        if matches!(self.access, Access::Read(_)) {
+        self.look_again()?;
+        Ok(Composite::new(store, &self.compositor, source, level, rect, max_band_bytes))
+    }
+
+    /// Of a terrain that is open for reading: forgets what was worked out before another program's last commit.
+    pub(crate) fn look_again(&self) -> Result<()> {
+        if let Access::Read(store) = &self.access {
             self.compositor.borrow_mut().at_commit(store.num_commits()?);
         }
-        Ok(Composite::new(store, &self.compositor, source, level, rect, max_band_bytes))
+        Ok(())
     }
 
     pub(crate) const fn access(&self) -> &Access {

@@ -74,6 +74,34 @@ fn a_faded_layer_keeps_more_of_it_and_comes_to_the_same() {
 }
 
 #[test]
+fn a_hidden_layer_is_painted_on_what_lies_below_it_now() {
+    let folder = tempfile::tempdir().unwrap();
+    let operations = [
+        r#"{"op": "set_mask", "layer": "Sculpt", "terms": [{"gate": {"height": {"min": -5000, "max": 5000}}}]}"#,
+        r#"{"op": "set_layer", "layer": "Sculpt", "visible": false}"#,
+        PLATEAU,
+        r#"{"op": "fill", "layer": "Base", "target": "heights", "brush": {"type": "raise", "strength": 40}}"#,
+        r#"{"op": "stroke", "layer": "Sculpt", "brush": {"type": "smooth", "width": 30, "radius": 200, "strength": 1},
+            "points": [[700, 600]]}"#,
+        r#"{"op": "set_layer", "layer": "Sculpt", "visible": true}"#,
+    ];
+    let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
+    let [at_once, afresh] = [false, true].map(|is_reopened| {
+        let path = folder.path().join(format!("{is_reopened}.orogeny"));
+        let mut terrain = terrain(&path, 1 << 30);
+        for operation in operations {
+            apply(&mut terrain, &[operation]);
+            if is_reopened {
+                terrain.close().unwrap();
+                terrain = Terrain::open(&path, settings.clone()).unwrap();
+            }
+        }
+        composite(&terrain)
+    });
+    assert!(at_once.iter().zip(&afresh).all(|(a, b)| a.to_bits() == b.to_bits()));
+}
+
+#[test]
 fn the_budget_changes_no_bit_of_it() {
     let folder = tempfile::tempdir().unwrap();
     let strokes = [

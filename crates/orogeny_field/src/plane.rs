@@ -1,6 +1,6 @@
 //! Planes: samples of any rectangle, apart from pages. What kernels that look at neighbours read and write.
 
-use crate::{Error, Result, SampleRect};
+use crate::{Error, Page, Result, SampleRect};
 
 /// Samples of a rectangle of a grid, row by row; of some quantities several values a sample, channel after channel.
 #[derive(Debug, Clone)]
@@ -108,6 +108,21 @@ impl Plane {
     pub fn row_mut(&mut self, z: i32) -> Option<&mut [f32]> {
         let range = self.row_range(0, z)?;
         self.memory.get_mut(range)
+    }
+
+    /// Copies as much of a page, which lies at `page_rect`, as lies within a rectangle and in the plane, into its first channel.
+    pub fn paste(&mut self, page: &Page, page_rect: &SampleRect, within: &SampleRect) {
+        let rect = self.rect;
+        let both = page_rect.intersection(within).intersection(&rect);
+        let (x0, x1) = (both.x0.abs_diff(page_rect.x0), both.x1.abs_diff(page_rect.x0));
+        let first = both.x0.abs_diff(rect.x0) as usize;
+        for z in both.z0..both.z1 {
+            let from = page.row(z.abs_diff(page_rect.z0), x0, x1);
+            let to = self.row_mut(z).and_then(|row| row.get_mut(first..first + both.width() as usize));
+            if let (Some(from), Some(to)) = (from, to) {
+                to.copy_from_slice(from);
+            }
+        }
     }
 
     /// One value of the first channel; `None` where the plane does not have it.

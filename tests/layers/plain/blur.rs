@@ -4,9 +4,9 @@ use super::Sheet;
 
 /// The widest Gaussian, in samples, that the engine works out directly; wider ones it takes down a pyramid.
 const MAX_DIRECT: f64 = 4.0;
-/// How far a Gaussian by a pyramid may be from one by its definition, of values 0..1 that have edges: a few thousandths, since a step of a
-/// pyramid folds a little over.
-const PYRAMID_OFF: f64 = 0.008;
+/// How far a Gaussian by a pyramid may be from one by its definition, of values 0..1 that have edges: half a thousandth was met, since a
+/// step of a pyramid folds a little over.
+const PYRAMID_OFF: f64 = 1.0e-3;
 
 /// Blurred by a standard deviation of so many samples; of less than a quarter there is nothing to be seen.
 pub fn blurred(sheet: &Sheet, sigma: f64) -> Sheet {

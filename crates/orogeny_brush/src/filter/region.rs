@@ -11,8 +11,8 @@
 use std::sync::Arc;
 
 use orogeny_field::{
-    Brush, BrushType, DropletKernel, Droplets, FieldId, FillPits, FlowMask, FlowRouting, Page, PageKey,
-    Plane, SampleRect, sanitized_height,
+    Brush, BrushType, DropletKernel, Droplets, FieldId, FillPits, FlowMask, FlowRouting, PageKey, Plane,
+    SampleRect, sanitized_height,
 };
 use orogeny_pages::PageStore;
 use orogeny_reference::field::droplets;
@@ -194,22 +194,8 @@ pub(crate) fn load_before(field: FieldId, rect: SampleRect, store: &mut dyn Page
         let key = PageKey::full_resolution(field, x, z);
         let loaded = store.load_before(&key).map_err(orogeny_pages::Error::Source)?;
         if let Some(page) = loaded {
-            copy_page(&page, &layout.page_rect(&key), &mut plane);
+            plane.paste(&page, &layout.page_rect(&key), &rect);
         }
     }
     Ok(plane)
-}
-
-fn copy_page(page: &Page, page_rect: &SampleRect, plane: &mut Plane) {
-    let rect = plane.rect();
-    let both = page_rect.intersection(&rect);
-    let (x0, x1) = (both.x0.abs_diff(page_rect.x0), both.x1.abs_diff(page_rect.x0));
-    let first = both.x0.abs_diff(rect.x0) as usize;
-    for z in both.z0..both.z1 {
-        let from = page.row(z.abs_diff(page_rect.z0), x0, x1);
-        let to = plane.row_mut(z).and_then(|row| row.get_mut(first..first + both.width() as usize));
-        if let (Some(from), Some(to)) = (from, to) {
-            to.copy_from_slice(from);
-        }
-    }
 }

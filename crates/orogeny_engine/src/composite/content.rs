@@ -45,26 +45,11 @@ fn read(look: &mut Look<'_>, field: FieldId, constant: f32, level: u8, rect: Sam
     for keys in keys.chunks(PAGES_AT_ONCE) {
         for (key, page) in keys.iter().zip(look.pages.load(keys)?) {
             if let Some(page) = page {
-                paste(&page, look.layout.page_rect(key), &inside, &mut plane);
+                plane.paste(&page, &look.layout.page_rect(key), &inside);
             }
         }
     }
     Ok(plane)
-}
-
-/// Copies as much of a page as lies within a rectangle, and in the plane.
-pub(super) fn paste(page: &Page, page_rect: SampleRect, within: &SampleRect, plane: &mut Plane) {
-    let rect = plane.rect();
-    let both = page_rect.intersection(within).intersection(&rect);
-    let (x0, x1) = (both.x0.abs_diff(page_rect.x0), both.x1.abs_diff(page_rect.x0));
-    let first = both.x0.abs_diff(rect.x0) as usize;
-    for z in both.z0..both.z1 {
-        let from = page.row(z.abs_diff(page_rect.z0), x0, x1);
-        let to = plane.row_mut(z).and_then(|row| row.get_mut(first..first + both.width() as usize));
-        if let (Some(from), Some(to)) = (from, to) {
-            to.copy_from_slice(from);
-        }
-    }
 }
 
 /// Copies a rectangle of a plane, which has all of it, into a page.

@@ -11,7 +11,7 @@ use orogeny_store::Layer;
 use rayon::prelude::*;
 
 use super::cache::{Cache, CacheKey, Kind};
-use super::content::{cropped, cut, paste, patch, stored};
+use super::content::{cropped, cut, patch, stored};
 use super::live::{self, BELOW, GROUND, HEIGHTS, WEIGHTS};
 use super::node::{Content, Node, nodes};
 use super::weights::{self, weights};
@@ -117,13 +117,17 @@ impl Compositor {
 
     /// Samples of fields were changed, at full resolution: what was worked out of them, at any level, is noted as stale.
     pub(crate) fn forget(&mut self, terrain: &TerrainGrid, layout: PageLayout, changes: &[Change]) {
+        // What was worked out of layers that are hidden, for a brush on one of them, is not kept up with what changes.
+        let nodes = Arc::clone(&self.nodes);
+        let is_hidden = |layer: u32| nodes.iter().all(|node| node.id != layer);
+        self.cache.drop_where(|key| key.kind == Kind::Result && is_hidden(key.layer));
         if changes.is_empty() || self.nodes.iter().all(|node| !node.is_barrier()) {
             return;
         }
         let top = layout.top_level(terrain);
         // For each level what changed of what is below the node.
         let mut changed = vec![SampleRect::EMPTY; usize::from(top) + 1];
-        for node in Arc::clone(&self.nodes).iter() {
+        for node in nodes.iter() {
             for stored in node.fields() {
                 let mut rect = rect_of(changes, |field| field == stored.field);
                 for (level, changed) in (0..).zip(&mut changed) {
@@ -185,7 +189,7 @@ impl Compositor {
         self.cache.size_in_bytes() + executor.map_or(0, |memory| memory.host_in_bytes)
     }
 
-    /// What the lowest `num_nodes` layers come to in a rectangle, which lies within the terrain.
+    /// What layers, from the lowest, come to in a rectangle, which lies within the terrain.
     pub(crate) fn heights(&mut self, look: &mut Look<'_>, nodes: &[Node], rect: SampleRect) -> Result<Plane> {
         let num_above = nodes.iter().rev().take_while(|node| !node.is_barrier()).count();
         let (below, above) = nodes.split_at(nodes.len() - num_above);
@@ -340,7 +344,7 @@ impl Compositor {
         for place in layout.pages_in(rect) {
             match self.cache.get(&key_of(place)) {
                 Some((page, of_page)) if of_page.is_empty() => {
-                    paste(&page, page_rect(layout, &key_of(place)), &rect, &mut plane);
+                    plane.paste(&page, &page_rect(layout, &key_of(place)), &rect);
                 }
                 Some((page, of_page)) => {
                     stale = stale.bounds_with(&of_page);
@@ -357,7 +361,7 @@ impl Compositor {
                 let key = key_of(place);
                 let mut page = Arc::unwrap_or_clone(page);
                 patch(&mut page, page_rect(layout, &key), &of_page.intersection(&bounds), &made);
-                paste(&page, page_rect(layout, &key), &rect, &mut plane);
+                plane.paste(&page, &page_rect(layout, &key), &rect);
                 self.cache.put(key, Arc::new(page));
             }
         }
@@ -376,7 +380,7 @@ impl Compositor {
                 let key = key_of(place);
                 let of_page = page_rect(layout, &key);
                 let page = Arc::new(cut(&made, layout, of_page));
-                paste(&page, of_page, &rect, &mut plane);
+                plane.paste(&page, &of_page, &rect);
                 self.cache.put(key, page);
             }
         }

@@ -10,7 +10,7 @@ use orogeny_field::{
 };
 use orogeny_pages::{BoxError, MemoryPages, PageStore};
 
-use super::content::{cut, paste};
+use super::content::cut;
 use super::node::Live;
 use super::{FieldPages, Look};
 use crate::{Error, Result};
@@ -221,9 +221,9 @@ pub(super) fn run(
         let key = PageKey::full_resolution(GROUND, x, z);
         let page_rect = layout.page_rect(&key);
         match (pages.saved.get(&key), ground) {
-            (Some(page), _) => paste(page, page_rect, &rect, &mut result),
+            (Some(page), _) => result.paste(page, &page_rect, &rect),
             // Nothing became of it.
-            (None, Some(ground)) => paste(&cut(ground, layout, page_rect), page_rect, &rect, &mut result),
+            (None, Some(ground)) => result.paste(&cut(ground, layout, page_rect), &page_rect, &rect),
             (None, None) => {}
         }
     }

@@ -139,6 +139,7 @@ impl View<'_> {
         let scene = self.scene(request);
         let (grid, layout) = (self.terrain.grid(), self.terrain.store()?.layout());
         let _unchanging = self.terrain.settled()?.snapshot()?;
+        self.terrain.look_again()?;
         let relief = PageRelief::new(grid, layout, &self.source);
         let missing = self.renderer.want(&camera, &scene, &relief);
         let total = missing.len() as u64;
