@@ -24,11 +24,18 @@ fn what_failed_in_a_recording_that_was_dropped_fails_nothing_after_it() {
         recorder.flush().unwrap();
     }
     assert_eq!(recorder.on_disk().unwrap().log().unwrap().len(), 10);
-    // Whoever finishes it is told.
+    // Whoever goes on to its end is told, at the first call after the thread has seen it.
     let mut recording = recorder.begin().unwrap();
     recording.write_pages(vec![(outside, page(1))]).unwrap();
-    recording.record("{}".to_owned(), "someone").unwrap();
-    let err = recording.finish().and_then(|()| recorder.flush()).unwrap_err();
+    let recorded = recording.record("{}".to_owned(), "someone");
+    let finished = match recorded {
+        Ok(_) => recording.finish(),
+        Err(err) => {
+            drop(recording);
+            Err(err)
+        }
+    };
+    let err = finished.and_then(|()| recorder.flush()).unwrap_err();
     assert!(matches!(err, Error::PageOutside { .. }), "{err}");
     recorder.flush().unwrap();
     assert_eq!(recorder.on_disk().unwrap().log().unwrap().len(), 10);
