@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
-    apply, brushes, check, compact, custom, demo, doctor, export, import, info, jump, layer, log, materials,
-    new, presets, redo, render, replay, salvage, undo,
+    apply, brushes, check, compact, custom, demo, doctor, edit, export, import, info, jump, layer, log,
+    materials, new, presets, redo, render, replay, salvage, undo,
 };
 
 /// A GPU brush engine for heightfields: make, import, brush, undo, draw and export terrains.
@@ -50,6 +50,8 @@ pub struct Global {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Open a window to paint in
+    Edit(edit::Arguments),
     /// Make a flat terrain
     New(new::Arguments),
     /// Read a file of another program: makes a terrain of it, or writes it into a layer of one

@@ -49,6 +49,12 @@ pub trait Executor: Send {
     /// As [`run`](Self::run); [`crate::Error::Interrupted`] where it is not to go on.
     fn run_watched(&mut self, batch: &Batch, store: &mut dyn PageStore, watch: Watch<'_>) -> Result<()>;
 
+    /// Saves what the operation has changed so far, to be looked at, and lets it go on.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    fn save(&mut self, store: &mut dyn PageStore) -> Result<()>;
+
     /// Ends the operation: all that it changed is saved to `store`. Only after this has returned may the operation be
     /// acknowledged.
     ///

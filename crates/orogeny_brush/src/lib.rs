@@ -47,4 +47,5 @@ pub use resolved::{resolve_gate, resolved};
 pub use sampler::{Pen, PlacedSample, StrokeSampler};
 pub use spacing::Spacing;
 pub use spill::Spill;
+pub use symmetry::copies;
 pub use tiles::Tile;

@@ -1,6 +1,6 @@
 //! Copies of a stroke: mirrored in an axis, through a point, or turned about one.
 
-use orogeny_field::{Symmetry, SymmetryKind, TerrainGrid};
+use orogeny_field::{Brush, Symmetry, SymmetryKind, TerrainGrid};
 
 /// Copies nearer to one another than this, in samples, are one: a stroke on its own mirror counts once.
 const SAME_PLACE: f64 = 1.0e-3;
@@ -63,6 +63,12 @@ pub(crate) fn images(symmetry: Option<&Symmetry>, grid: &TerrainGrid) -> Vec<Ima
             std::iter::once(Image::IDENTITY).chain(others).collect()
         }
     }
+}
+
+/// Where a brush at a place of the terrain acts: there, and at its copies. In samples.
+#[must_use]
+pub fn copies(brush: &Brush, grid: &TerrainGrid, place: [f64; 2]) -> Vec<[f64; 2]> {
+    places(&images(brush.symmetry.as_ref(), grid), place).into_iter().map(|(_, place)| place).collect()
 }
 
 /// The images of a place with what makes them, those that fall together once.

@@ -12,6 +12,7 @@ use orogeny_store::{EntryId, Layer, Recording};
 
 use crate::clone_source;
 use crate::composite::{Change, Compositor};
+use crate::hand::{Hand, Known, SoFar, check_num_points};
 use crate::layers::{Changed, Stack, refuse_locked, refused};
 use crate::operation::{self, BrushOperation, LayerOperation};
 use crate::pages::RecordedPages;
@@ -42,6 +43,9 @@ pub struct Applied {
     pub made_layer: Option<u32>,
     /// Pages that it wrote.
     pub num_pages: usize,
+    /// What it changed of one field, for those who look; `None` where it is not one field alone.
+    #[serde(skip)]
+    pub(crate) change: Option<Change>,
     /// How long it took, in seconds, without making it durable, which goes on behind.
     pub elapsed_s: f64,
     /// What it met on its way.
@@ -64,6 +68,8 @@ pub(crate) struct Painted {
     notices: Notices,
     /// The pages that changed.
     pub(crate) pages: Vec<PageKey>,
+    /// The samples that changed.
+    change: Change,
 }
 
 impl Terrain {
@@ -135,17 +141,54 @@ impl Terrain {
             return Ok(Vec::new());
         }
         let author = self.settings().author.clone();
+        self.record(observer, after, |site, recording| apply_all(operations, &author, site, recording))
+    }
+
+    /// Draws a stroke, whose points come from a hand, as one entry of the history. When this returns it is painted, as
+    /// by [`Self::submit`]. Should the GPU device be lost, the hand is asked for its points again.
+    pub(crate) fn draw(
+        &mut self,
+        operation: &BrushOperation,
+        hand: &mut dyn Hand,
+        observer: &mut dyn Observer,
+    ) -> Result<Applied> {
+        let author = self.settings().author.clone();
+        let mut draw_once = |hand: &mut dyn Hand| {
+            self.record(observer, After::Commit, |site, recording| {
+                let start = Instant::now();
+                let layer = find_layer(recording.layers(), operation.layer())?.id;
+                let painted = paint(operation, hand, site, recording)?;
+                record(painted, layer, start, &author, recording)
+            })
+        };
+        match draw_once(hand) {
+            Err(err) if matches!(err.gpu(), Some(orogeny_gpu::Error::DeviceLost { .. })) => {
+                tracing::warn!("{err}; the stroke is drawn again on a new device");
+                hand.begin_again();
+                draw_once(hand)
+            }
+            result => result,
+        }
+    }
+
+    /// Does something in one transaction.
+    fn record<T>(
+        &mut self,
+        observer: &mut dyn Observer,
+        after: After,
+        work: impl FnOnce(&mut Site<'_>, &mut Recording<'_>) -> Result<T>,
+    ) -> Result<T> {
         let Parts { recorder, executor, compositor } = self.parts()?;
         let (grid, layout) = (recorder.on_disk()?.grid(), recorder.on_disk()?.layout());
         let result = recorder.begin().map_err(Error::from).and_then(|mut recording| {
             let mut site = Site { grid, layout, executor, compositor, observer };
-            let applied = apply_all(operations, &author, &mut site, &mut recording)?;
+            let done = work(&mut site, &mut recording)?;
             match after {
                 After::Commit => recording.finish()?,
                 // Whether what was handed over could be written is known when all of it was.
                 After::TakeBack => recording.with_transaction(|_| Ok(()))?,
             }
-            Ok(applied)
+            Ok(done)
         });
         if result.is_err() || after == After::TakeBack {
             self.forget_all_pages();
@@ -198,7 +241,20 @@ fn apply_brush(
 ) -> Result<Applied> {
     let start = Instant::now();
     let layer = find_layer(recording.layers(), operation.layer())?.id;
-    let Painted { operation, notices, pages } = paint(operation, site, recording)?;
+    let mut hand = Known(operation.points());
+    let painted = paint(operation, &mut hand, site, recording)?;
+    record(painted, layer, start, author, recording)
+}
+
+/// Records what was painted on a layer, as an entry of its own.
+pub(crate) fn record(
+    painted: Painted,
+    layer: u32,
+    start: Instant,
+    author: &str,
+    recording: &mut Recording<'_>,
+) -> Result<Applied> {
+    let Painted { operation, notices, pages, change } = painted;
     let entry = recording.record(operation.to_recorded_json(layer)?, author)?;
     Ok(Applied {
         entry,
@@ -206,17 +262,19 @@ fn apply_brush(
         brush: Some(operation.brush().brush_type),
         made_layer: None,
         num_pages: pages.len(),
+        change: Some(change),
         elapsed_s: start.elapsed().as_secs_f64(),
         notices,
     })
 }
 
-/// Applies a brush, as a part of the entry that is recorded next.
+/// Applies a brush, as a part of the entry that is recorded next. Of a stroke, the points are the hand's.
 ///
 /// # Errors
 /// [`Error::UnknownLayer`], [`Error::LayerLocked`], [`Error::LayerRefused`]; what the brush cannot be done for; [`Error::Cancelled`].
 pub(crate) fn paint(
     operation: &BrushOperation,
+    hand: &mut dyn Hand,
     site: &mut Site<'_>,
     recording: &mut Recording<'_>,
 ) -> Result<Painted> {
@@ -240,12 +298,15 @@ pub(crate) fn paint(
         }
     }
     resources.clone_ground = clone_source::load(operation, &mut brush, canvas.field, grid, recording)?;
-    let operation = operation.clone().with_brush(resolved(&brush));
+    let mut operation = operation.clone().with_brush(resolved(&brush));
+    // What is seen is kept by the layer.
+    let field = if canvas.field == SEEN { layer.heights } else { canvas.field };
     let mut pages = RecordedPages::new(recording, *layout).with_seen(seen);
     let mut changed = SampleRect::EMPTY;
-    let result = match &operation {
+    let result = match &mut operation {
         BrushOperation::Stroke { stroke, .. } => {
-            run_stroke(stroke, canvas, resources, *executor, &mut pages, *observer, &mut changed)
+            let so_far = SoFar { executor: *executor, pages: &mut pages, field, changed: SampleRect::EMPTY };
+            run_stroke(stroke, hand, canvas, resources, so_far, *observer, &mut changed)
         }
         BrushOperation::Fill { brush, seed, region_m, .. } => {
             let region = match region_m {
@@ -266,10 +327,9 @@ pub(crate) fn paint(
     if canvas.field == SEEN {
         executor.forget(&saved);
     }
-    // What is seen is kept by the layer.
-    let field = if canvas.field == SEEN { layer.heights } else { canvas.field };
-    site.compositor.forget(&site.grid, site.layout, &[Change { field, rect: changed }]);
-    Ok(Painted { operation, notices, pages: saved })
+    let change = Change { field, rect: changed };
+    site.compositor.forget(&site.grid, site.layout, &[change]);
+    Ok(Painted { operation, notices, pages: saved, change })
 }
 
 fn apply_layers(
@@ -291,6 +351,7 @@ fn apply_layers(
         brush: recorded.content().and_then(|content| Some(content.procedure()?.brush.brush_type)),
         made_layer,
         num_pages: written.len(),
+        change: None,
         elapsed_s: start.elapsed().as_secs_f64(),
         notices: Notices::default(),
     })
@@ -313,6 +374,7 @@ fn apply_select(
         brush: None,
         made_layer: None,
         num_pages: written.len(),
+        change: None,
         elapsed_s: start.elapsed().as_secs_f64(),
         notices: Notices::default(),
     })
@@ -367,27 +429,39 @@ fn canvas(
 }
 
 fn run_stroke(
-    stroke: &Stroke,
+    stroke: &mut Stroke,
+    hand: &mut dyn Hand,
     canvas: Canvas,
     resources: Resources,
-    executor: &mut dyn Executor,
-    pages: &mut RecordedPages<'_, '_>,
+    mut so_far: SoFar<'_, '_, '_>,
     observer: &mut dyn Observer,
     changed: &mut SampleRect,
 ) -> Result<()> {
-    stroke.check(&canvas.grid)?;
+    stroke.points.clear();
+    stroke.brush.check()?;
     let mut planner = StrokePlanner::new(&stroke.brush, stroke.seed, canvas, resources)?;
-    for point in &stroke.points {
-        planner.push(point)?;
-    }
-    planner.finish();
     let mut num_instances = 0;
-    while let Some(batch) = planner.next_batch(pages, BATCH_INSTANCES)? {
-        num_instances += batch.instances.len() as u64;
-        note_changed(&batch, changed);
-        run_batch(batch, executor, pages, |_| report(observer, "painting", num_instances, 0))?;
+    let mut run_settled = |planner: &mut StrokePlanner, so_far: &mut SoFar<'_, '_, '_>| -> Result<()> {
+        while let Some(batch) = planner.next_batch(so_far.pages, BATCH_INSTANCES)? {
+            num_instances += batch.instances.len() as u64;
+            note_changed(&batch, changed);
+            note_changed(&batch, &mut so_far.changed);
+            let tell = |_| report(observer, "painting", num_instances, 0);
+            run_batch(batch, so_far.executor, so_far.pages, tell)?;
+        }
+        Ok(())
+    };
+    while let Some(points) = hand.next_points(&mut so_far)? {
+        check_num_points(stroke.points.len() + points.len())?;
+        for point in points {
+            planner.push(&point)?;
+            stroke.points.push(point);
+        }
+        run_settled(&mut planner, &mut so_far)?;
     }
-    Ok(())
+    check_num_points(stroke.points.len())?;
+    planner.finish();
+    run_settled(&mut planner, &mut so_far)
 }
 
 /// Adds the samples that a batch may change.
@@ -447,6 +521,10 @@ mod tests {
             _watch: Watch<'_>,
         ) -> orogeny_brush::Result<()> {
             Err(self.0.clone().into())
+        }
+
+        fn save(&mut self, _store: &mut dyn PageStore) -> orogeny_brush::Result<()> {
+            Ok(())
         }
 
         fn finish(&mut self, _store: &mut dyn PageStore) -> orogeny_brush::Result<Notices> {

@@ -32,6 +32,12 @@ pub enum Error {
         /// The limit.
         limit: u64,
     },
+    /// The system gave no thread, or one ended early. Close other programs, or start this one again: what was done is on disk.
+    #[error("a thread could not do its work: {detail}; close other programs, or start this one again")]
+    Thread {
+        /// What it said.
+        detail: String,
+    },
     /// The GPU could not be used.
     #[error(transparent)]
     Gpu(#[from] orogeny_gpu::Error),

@@ -33,6 +33,7 @@ mod description;
 mod error;
 mod export;
 mod ground;
+mod hand;
 mod history;
 mod import;
 mod layers;
@@ -48,6 +49,7 @@ mod replay;
 mod resources;
 mod seen;
 mod select;
+pub mod session;
 mod terrain;
 mod view;
 mod whole_file;
@@ -67,13 +69,13 @@ pub use operation::{
 };
 pub use orogeny_field::{
     Blend, BrushType, LayerContent, LayerReference, LayerTransform, MaskTerm, PageKey, Parameter,
-    ParameterKind, Procedure, SampleRect, SelectCombine, SelectShape, Selecting, TerrainGrid,
+    ParameterKind, PointerSample, Procedure, SampleRect, SelectCombine, SelectShape, Selecting, TerrainGrid,
 };
 pub use orogeny_formats::{
     ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,
 };
-pub use orogeny_geomip::{Cursor, FrameReport, Metric, Mode};
-pub use orogeny_gpu::{AdapterDescription, list_adapters};
+pub use orogeny_geomip::{Camera, Cursor, FrameReport, Metric, Mode, PagePlace, PageSummary};
+pub use orogeny_gpu::{AdapterDescription, Gpu, list_adapters};
 pub use orogeny_store::{
     Change, CheckReport, Direction as HistoryDirection, Dropped, Entry, EntryId, EntryState, HistorySummary,
     Layer, Repaired, Salvaged,
@@ -84,5 +86,6 @@ pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;
 pub use terrain::Terrain;
 pub use view::{
-    Drawn, Flight, HeightAt, MaterialDescription, Materials, Place, View, ViewRequest, material_descriptions,
+    Drawn, Flight, HeightAt, LiveView, MaterialDescription, Materials, Place, View, ViewRequest,
+    material_descriptions, window_gpu,
 };

@@ -33,6 +33,11 @@ impl<'a, 'recorder> RecordedPages<'a, 'recorder> {
         Self { seen, ..self }
     }
 
+    /// What they are pages of.
+    pub(crate) const fn recording(&mut self) -> &mut Recording<'recorder> {
+        self.recording
+    }
+
     /// The pages that were saved, and those of what is seen that were asked for.
     pub(crate) fn into_saved(self) -> (Vec<PageKey>, Vec<PageKey>) {
         (self.saved.into_iter().collect(), self.seen.map(Seen::into_asked_for).unwrap_or_default())

@@ -46,6 +46,14 @@ impl<'a, S: PageSummaries> PageRelief<'a, S> {
         self.bounds_over(Self::ring(tile), tile.level.saturating_sub(2))
     }
 
+    /// Lowest and highest height of a tile, maybe more than that: of its last samples too, which are the first of the next tile's.
+    pub fn tile_bounds(&self, tile: Tile) -> HeightBounds {
+        match tile.samples(&self.grid) {
+            Some(samples) => self.bounds_over(samples, tile.level.saturating_sub(2)),
+            None => HeightBounds::of(0.0),
+        }
+    }
+
     /// Lowest and highest height of a page, the first samples of the next ones included, as the ground of its last cells lies between
     /// these; maybe more than that.
     pub fn page_bounds(&self, place: PagePlace) -> HeightBounds {

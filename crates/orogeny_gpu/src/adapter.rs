@@ -63,11 +63,15 @@ fn is_software(info: &wgpu::AdapterInfo) -> bool {
 /// All adapters, best first: discrete, integrated, virtual, other, software.
 #[must_use]
 pub fn list_adapters() -> Vec<AdapterDescription> {
-    adapters().iter().map(|adapter| AdapterDescription::new(&adapter.get_info())).collect()
+    adapters(&new_instance()).iter().map(|adapter| AdapterDescription::new(&adapter.get_info())).collect()
 }
 
-fn adapters() -> Vec<wgpu::Adapter> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+/// For those who draw into no window.
+pub(crate) fn new_instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
+}
+
+fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
     adapters.sort_by_key(|adapter| {
         let info = adapter.get_info();
@@ -83,8 +87,21 @@ fn adapters() -> Vec<wgpu::Adapter> {
 }
 
 /// The best adapter for a choice.
-pub(crate) fn choose(choice: &AdapterChoice) -> Result<wgpu::Adapter> {
-    let adapters = adapters();
+pub(crate) fn choose(choice: &AdapterChoice, instance: &wgpu::Instance) -> Result<wgpu::Adapter> {
+    choose_of(choice, adapters(instance))
+}
+
+/// The same of those that can show what they draw in a window.
+pub(crate) fn choose_for_surface(
+    choice: &AdapterChoice,
+    instance: &wgpu::Instance,
+    surface: &wgpu::Surface<'_>,
+) -> Result<wgpu::Adapter> {
+    let can_show = |adapter: &wgpu::Adapter| adapter.is_surface_supported(surface);
+    choose_of(choice, adapters(instance).into_iter().filter(can_show).collect())
+}
+
+fn choose_of(choice: &AdapterChoice, adapters: Vec<wgpu::Adapter>) -> Result<wgpu::Adapter> {
     let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
     let matches = |info: &wgpu::AdapterInfo| match choice {
         AdapterChoice::RealGpu => !is_software(info),

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::adapter::{AdapterChoice, AdapterDescription, choose};
+use crate::adapter::{AdapterChoice, AdapterDescription, choose, choose_for_surface, new_instance};
 use crate::kernel::BuiltKernels;
 use crate::{Error, Result};
 
@@ -35,7 +35,24 @@ impl Gpu {
     /// [`Error::NoAdapter`] when nothing fits the choice; [`Error::Unusable`] when the adapter has less than WebGPU's
     /// default limits or cannot read and write `R32Float` textures in kernels.
     pub fn open(choice: &AdapterChoice) -> Result<Self> {
-        let adapter = choose(choice)?;
+        Self::of_adapter(&choose(choice, &new_instance())?)
+    }
+
+    /// Opens a device that can show what it draws in a window, whose surface was made by the same instance; the best one that fits the
+    /// choice.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_for_surface(
+        choice: &AdapterChoice,
+        instance: &wgpu::Instance,
+        surface: &wgpu::Surface<'_>,
+    ) -> Result<(Self, wgpu::Adapter)> {
+        let adapter = choose_for_surface(choice, instance, surface)?;
+        Ok((Self::of_adapter(&adapter)?, adapter))
+    }
+
+    fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self> {
         let description = AdapterDescription::new(&adapter.get_info());
         let unusable = |reason: String| Error::Unusable { adapter: description.name.clone(), reason };
         let read_write = wgpu::TextureFormatFeatureFlags::STORAGE_READ_WRITE;

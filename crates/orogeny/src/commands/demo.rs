@@ -16,8 +16,8 @@ use crate::output::{Output, count, text_of};
 use crate::progress::ProgressWatch;
 use crate::session::Session;
 
-const RASTER: &[u8] = include_bytes!("../../../../assets/terrain/frazier_1024_int16.tif");
-const RASTER_NAME: &str = "frazier_1024_int16.tif";
+pub(super) const RASTER: &[u8] = include_bytes!("../../../../assets/terrain/frazier_1024_int16.tif");
+pub(super) const RASTER_NAME: &str = "frazier_1024_int16.tif";
 const RECIPE: &str = include_str!("../../../../assets/demo/recipe.json");
 /// Room for a pixel a sample.
 const PICTURE_PX: [u32; 2] = [2048, 2048];

@@ -7,6 +7,7 @@ pub mod compact;
 pub mod custom;
 pub mod demo;
 pub mod doctor;
+pub mod edit;
 pub mod export;
 pub mod import;
 pub mod info;
@@ -32,6 +33,7 @@ use crate::session::Session;
 /// Why it failed; unless it says otherwise, nothing was changed.
 pub fn run(command: Command, session: &Session) -> anyhow::Result<()> {
     match command {
+        Command::Edit(arguments) => edit::run(&arguments, session),
         Command::New(arguments) => new::run(&arguments, session),
         Command::Import(arguments) => import::run(arguments, session),
         Command::Apply(arguments) => apply::run(&arguments, session),

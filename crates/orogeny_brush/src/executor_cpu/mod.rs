@@ -236,12 +236,17 @@ impl Executor for CpuExecutor {
         }
     }
 
-    fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices> {
+    fn save(&mut self, store: &mut dyn PageStore) -> Result<()> {
         let dirty: Vec<_> = std::mem::take(&mut self.dirty).into_iter().collect();
         for keys in dirty.chunks(self.pages_saved_at_once()) {
             let copy = |key: &PageKey| Some((*key, self.resident.peek(key)?.heights.clone()));
             store.save(keys.iter().filter_map(copy).collect()).map_err(orogeny_pages::Error::Source)?;
         }
+        Ok(())
+    }
+
+    fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices> {
+        self.save(store)?;
         self.end();
         Ok(std::mem::take(&mut self.notices))
     }

@@ -491,7 +491,7 @@ impl Executor for GpuExecutor {
         }
     }
 
-    fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices> {
+    fn save(&mut self, store: &mut dyn PageStore) -> Result<()> {
         let arrived = self.belt.collect_all()?;
         self.keep(arrived, store)?;
         for pages in self.heights.take_dirty().chunks(self.step_pages()) {
@@ -503,6 +503,11 @@ impl Executor for GpuExecutor {
             let arrived = self.belt.collect_all()?;
             self.keep(arrived, store)?;
         }
+        Ok(())
+    }
+
+    fn finish(&mut self, store: &mut dyn PageStore) -> Result<Notices> {
+        self.save(store)?;
         self.scratch.forget_all();
         self.gates.forget_all();
         self.planes.clear();

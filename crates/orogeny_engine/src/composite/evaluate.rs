@@ -115,18 +115,24 @@ impl Compositor {
         self.cache.drop_where(|_| true);
     }
 
-    /// Samples of fields were changed, at full resolution: what was worked out of them, at any level, is noted as stale.
-    pub(crate) fn forget(&mut self, terrain: &TerrainGrid, layout: PageLayout, changes: &[Change]) {
+    /// Samples of fields were changed, at full resolution: what was worked out of them, at any level, is noted as stale. Gives what of the
+    /// stack may have changed by that, for each level, in its samples.
+    pub(crate) fn forget(
+        &mut self,
+        terrain: &TerrainGrid,
+        layout: PageLayout,
+        changes: &[Change],
+    ) -> Vec<SampleRect> {
         // What was worked out of layers that are hidden, for a brush on one of them, is not kept up with what changes.
         let nodes = Arc::clone(&self.nodes);
         let is_hidden = |layer: u32| nodes.iter().all(|node| node.id != layer);
         self.cache.drop_where(|key| key.kind == Kind::Result && is_hidden(key.layer));
-        if changes.is_empty() || self.nodes.iter().all(|node| !node.is_barrier()) {
-            return;
-        }
         let top = layout.top_level(terrain);
         // For each level what changed of what is below the node.
         let mut changed = vec![SampleRect::EMPTY; usize::from(top) + 1];
+        if changes.is_empty() {
+            return changed;
+        }
         for node in nodes.iter() {
             for stored in node.fields() {
                 let mut rect = rect_of(changes, |field| field == stored.field);
@@ -170,6 +176,7 @@ impl Compositor {
                 changed.map_or(SampleRect::EMPTY, |changed| changed.intersection(&page_rect(layout, key)))
             });
         }
+        changed
     }
 
     /// How far a node looks around, at each level.

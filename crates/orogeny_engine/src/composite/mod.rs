@@ -26,6 +26,6 @@ pub(crate) use node::{
 };
 pub(crate) use pages::{FieldPages, RecorderPages, RecordingPages, StorePages};
 pub(crate) use rows::{Composite, Source, damage_notice, read};
-pub(crate) use summary::summary;
+pub(crate) use summary::{summary, usual_error_m};
 pub(crate) use weights::check_term;
 pub(crate) use weights::gated;

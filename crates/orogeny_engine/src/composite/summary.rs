@@ -43,15 +43,15 @@ pub(crate) fn summary(store: &Store, compositor: &mut Compositor, place: PagePla
     }
     if !nodes.iter().all(Node::is_unmasked) {
         // The directory tells how far masks are from full resolution, but not what of that meets what heights.
-        error_m = usual_error_m(store, place.level);
+        error_m = usual_error_m(store.grid().spacing_m(), place.level);
     }
     Ok(PageSummary { bounds, error_m, is_constant })
 }
 
 /// How far a coarser level is from full resolution where nothing tells it: a share of the distance between its samples, which is
 /// about that of mountains. It more than doubles from level to level, so levels change with the distance alone.
-fn usual_error_m(store: &Store, level: u8) -> f32 {
-    (USUAL_ROUGHNESS * store.grid().spacing_m() * f64::from((1_u32 << level.min(31)) - 1)) as f32
+pub(crate) fn usual_error_m(spacing_m: f64, level: u8) -> f32 {
+    (USUAL_ROUGHNESS * spacing_m * f64::from((1_u32 << level.min(31)) - 1)) as f32
 }
 
 /// Whether the directory tells all of a layer.
@@ -100,7 +100,7 @@ fn estimated(
     let rows = plane.samples().chunks(rect.width().max(1) as usize);
     let bounds = rows.filter_map(HeightBounds::of_row).reduce(HeightBounds::with);
     let bounds = bounds.unwrap_or(HeightBounds::of(0.0));
-    let error_m = usual_error_m(store, level);
+    let error_m = usual_error_m(store.grid().spacing_m(), level);
     let bounds = HeightBounds { min_m: bounds.min_m - error_m, max_m: bounds.max_m + error_m };
     Ok(PageSummary { bounds, error_m, is_constant: false })
 }

@@ -5,6 +5,7 @@ use orogeny_store::{FieldKind, Layer, MadeMask};
 
 use super::{Stack, check_share, refused};
 use crate::apply::paint;
+use crate::hand::Known;
 use crate::operation::{BrushOperation, MaskFrom, SetMask};
 use crate::{Result, Target};
 
@@ -80,7 +81,7 @@ impl Stack<'_, '_, '_> {
             seed: brush.seed,
             region_m: None,
         };
-        self.written.extend(paint(&fill, self.site, self.recording)?.pages);
+        self.written.extend(paint(&fill, &mut Known(None), self.site, self.recording)?.pages);
         let changed = |value: f32| if invert { 1.0 - value } else { value } * scale;
         let mut mask = painted;
         if invert || scale != 1.0 {

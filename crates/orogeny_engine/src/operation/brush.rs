@@ -1,6 +1,6 @@
 //! Brushes as operations: a stroke, a fill.
 
-use orogeny_field::{Brush, LayerReference, PointerSample, Stroke};
+use orogeny_field::{Brush, LayerReference, PointerSample, Stroke, TerrainGrid};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -158,6 +158,28 @@ impl BrushOperation {
             Self::Stroke { stroke, .. } => &stroke.brush,
             Self::Fill { brush, .. } => brush,
         }
+    }
+
+    /// The points of a stroke.
+    pub(crate) fn points(&self) -> Option<Vec<PointerSample>> {
+        match self {
+            Self::Stroke { stroke, .. } => Some(stroke.points.clone()),
+            Self::Fill { .. } => None,
+        }
+    }
+
+    /// Gives a stroke its points.
+    pub(crate) fn set_points(&mut self, points: Vec<PointerSample>) {
+        if let Self::Stroke { stroke, .. } = self {
+            stroke.points = points;
+        }
+    }
+
+    /// Where its brush acts when it is held over a place: there, and at its copies. In metres.
+    #[must_use]
+    pub fn copies_m(&self, grid: &TerrainGrid, place_m: [f64; 2]) -> Vec<[f64; 2]> {
+        let copies = orogeny_brush::copies(self.brush(), grid, grid.sample_from_world(place_m));
+        copies.into_iter().map(|place| place.map(|along| along * grid.spacing_m())).collect()
     }
 
     /// Which field it changes.

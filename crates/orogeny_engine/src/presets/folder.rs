@@ -18,8 +18,15 @@ const VARIABLE: &str = "OROGENY_PRESETS";
 pub fn user_presets_folder() -> Option<PathBuf> {
     match std::env::var_os(VARIABLE) {
         Some(folder) if !folder.is_empty() => Some(folder.into()),
-        _ => Some(etcetera::choose_base_strategy().ok()?.data_dir().join("orogeny").join("presets")),
+        _ => Some(user_folder()?.join("presets")),
     }
+}
+
+/// Where the program keeps what is the user's and was given no other place: `orogeny` in the system's folder for data. `None` where the
+/// system names no such folder.
+#[must_use]
+pub fn user_folder() -> Option<PathBuf> {
+    Some(etcetera::choose_base_strategy().ok()?.data_dir().join("orogeny"))
 }
 
 /// The files of presets in a folder, in order; none where there is no folder.

@@ -20,7 +20,7 @@ use std::sync::LazyLock;
 use orogeny_field::Brush;
 use serde_json::{Map, Value};
 
-pub use folder::user_presets_folder;
+pub use folder::{user_folder, user_presets_folder};
 pub use gallery::Gallery;
 pub use preset::Preset;
 pub use sample::{Sample, SampleGround, SampleKind};

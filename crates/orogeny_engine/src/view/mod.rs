@@ -1,23 +1,27 @@
 //! Pictures of a terrain as it is seen from somewhere, drawn on a GPU or a software driver.
 
 mod flight;
+mod live;
 mod materials;
 mod request;
+mod scene;
 mod source;
 
 use glam::DVec3;
 use orogeny_field::SampleRect;
 use orogeny_geomip::{
-    Camera, DetailRule, Fog, FrameReport, Light, MAX_CURSORS, Mode, PagePlace, PageRelief,
-    PageSummaries as _, Renderer, Scene, Sky, Targets,
+    Camera, FrameReport, MAX_CURSORS, Mode, PagePlace, PageRelief, PageSummaries as _, Renderer, Targets,
 };
 use orogeny_gpu::{AdapterChoice, AdapterDescription, Gpu};
 
 pub use flight::Flight;
+pub use live::LiveView;
 pub use materials::{MaterialDescription, Materials, material_descriptions};
 pub use request::{HeightAt, Place, ViewRequest};
 
-use self::source::{CompositeSource, SELECTION};
+use self::scene::SceneMaker;
+pub(crate) use self::source::CompositeSource;
+use self::source::SELECTION;
 use crate::composite::Source;
 use crate::ground::Ground;
 use crate::picture::{Picture, check_size};
@@ -55,8 +59,7 @@ pub struct View<'a> {
     /// The set whose textures are there.
     materials: Option<Materials>,
     masks_of_materials: Vec<String>,
-    /// The last sun and haze, and the sky under them.
-    sky: Option<([f64; 3], Sky)>,
+    scenes: SceneMaker,
 }
 
 /// What a picture was drawn from.
@@ -98,7 +101,7 @@ impl Terrain {
             size_px,
             materials: None,
             masks_of_materials: Vec::new(),
-            sky: None,
+            scenes: SceneMaker::default(),
         })
     }
 }
@@ -120,6 +123,31 @@ fn drawing_gpu(settings: &Settings) -> Result<Gpu> {
     })
 }
 
+/// The device for a window, whose surface was made by the instance: the one that was asked for; where that calculates on the CPU, the best that
+/// can draw in the window.
+///
+/// # Errors
+/// [`Error::NothingDraws`], [`Error::Gpu`].
+pub fn window_gpu(
+    settings: &Settings,
+    instance: &wgpu::Instance,
+    surface: &wgpu::Surface<'_>,
+) -> Result<(Gpu, wgpu::Adapter)> {
+    let open = |choice: &AdapterChoice| Gpu::open_for_surface(choice, instance, surface);
+    let best = || match open(&AdapterChoice::RealGpu) {
+        Err(orogeny_gpu::Error::NoAdapter { .. }) => open(&AdapterChoice::Software),
+        opened => opened,
+    };
+    Ok(match &settings.adapter {
+        Adapter::Auto | Adapter::Cpu => best().map_err(|source| match source {
+            orogeny_gpu::Error::NoAdapter { found, .. } => Error::NothingDraws { found },
+            source => Error::Gpu(source),
+        })?,
+        Adapter::Software => open(&AdapterChoice::Software)?,
+        Adapter::Named(name) => open(&AdapterChoice::Named(name.clone()))?,
+    })
+}
+
 impl View<'_> {
     /// Draws a picture, once all pages that it wants are there. Of a request its size is not looked at: it is the view's.
     ///
@@ -136,7 +164,8 @@ impl View<'_> {
         }
         self.show_masks(request)?;
         let camera = Camera::looking_at(eye_m, target_m, request.fov_degrees.to_radians(), self.size_px);
-        let scene = self.scene(request);
+        let range_m = request.range_m.unwrap_or_else(|| self.range_m());
+        let scene = self.scenes.scene(request, range_m, self.source.unpainted_masks());
         let (grid, layout) = (self.terrain.grid(), self.terrain.store()?.layout());
         let _unchanging = self.terrain.settled()?.snapshot()?;
         self.terrain.look_again()?;
@@ -270,64 +299,6 @@ impl View<'_> {
         let ground = Ground { width: rect.width() as usize, heights, spacing_m };
         Ok(ground.between([(x - f64::from(x0)) as f32, (z - f64::from(z0)) as f32]))
     }
-
-    /// The sky of a request, which takes long to work out and stays the same while the sun stands.
-    fn sky(&mut self, request: &ViewRequest) -> Sky {
-        let under = [request.sun_azimuth_degrees, request.sun_altitude_degrees, request.haze];
-        match &self.sky {
-            Some((known, sky)) if *known == under => sky.clone(),
-            _ => {
-                let [azimuth, altitude, haze] = under;
-                let sky = Sky::new(azimuth, altitude, haze);
-                self.sky = Some((under, sky.clone()));
-                sky
-            }
-        }
-    }
-
-    fn scene(&mut self, request: &ViewRequest) -> Scene {
-        let range_m = request.range_m.unwrap_or_else(|| self.range_m());
-        let span_m = (range_m[1] - range_m[0]).max(1.0e-3);
-        let sky = self.sky(request);
-        Scene {
-            mode: request.mode,
-            detail: DetailRule { metric: request.metric, max_error_px: request.max_error_px },
-            light: Light {
-                slope_exaggeration: request.slope_exaggeration,
-                exposure: adapted_exposure(&sky) * request.exposure_stops.exp2(),
-                has_shadows: request.has_shadows,
-                ..Light::default()
-            },
-            sky,
-            // As much as the sky's haze takes, and some for clear air; it thins out more slowly than that, between the two.
-            fog: Fog {
-                density: (8.4e-6 * request.haze + 1.2e-5) as f32,
-                falloff: 1.0 / 2_500.0,
-                base_m: range_m[0],
-            },
-            water_level_m: request.water_level_m,
-            range_m,
-            contour_m: request.contour_m.unwrap_or_else(|| round_step(span_m / 25.0)),
-            overlay_range: [0.0, 1.0],
-            unpainted_masks: self.source.unpainted_masks(),
-            cursors: request.cursors.clone(),
-        }
-    }
-}
-
-/// What an eye makes of a light: most of the way to one brightness, so that an evening is darker than noon, but not dark.
-fn adapted_exposure(sky: &Sky) -> f32 {
-    const NOON: f64 = 0.95;
-    const SHARE: f64 = 0.8;
-    let light = sky.sun_light.y * sky.to_sun.y.max(0.0) + sky.sky_light.y;
-    Light::default().exposure * (NOON / light.max(1.0e-3)).powf(SHARE) as f32
-}
-
-/// 1, 2 or 5 times a power of ten, the next above.
-fn round_step(step: f32) -> f32 {
-    let power = 10.0_f32.powf(step.log10().floor());
-    let times = [1.0, 2.0, 5.0].into_iter().find(|times| times * power >= step * 0.999);
-    times.unwrap_or(10.0) * power
 }
 
 fn view_error(what: &'static str, value: f64, [low, high]: [f64; 2]) -> Error {
@@ -372,12 +343,6 @@ impl ViewRequest {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn steps_are_round() {
-        let steps = [0.3, 1.0, 1.1, 37.0, 90.0, 230.0].map(round_step);
-        assert_eq!(steps, [0.5, 1.0, 2.0, 50.0, 100.0, 500.0]);
-    }
 
     #[test]
     fn what_is_out_of_range_is_named() {

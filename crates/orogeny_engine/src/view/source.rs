@@ -15,7 +15,7 @@ pub(super) const SELECTION: &str = "selection";
 
 /// A mask of the terrain: its field, where it was painted, and its value everywhere else.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Mask {
+pub(crate) struct Mask {
     field: Option<FieldId>,
     constant: f32,
 }
@@ -27,7 +27,7 @@ impl Mask {
 }
 
 /// A store's composite.
-pub(super) struct CompositeSource<'a> {
+pub(crate) struct CompositeSource<'a> {
     store: &'a Store,
     compositor: &'a RefCell<Compositor>,
     /// What is shown over the ground, or asked for by materials.
@@ -40,7 +40,7 @@ pub(super) struct CompositeSource<'a> {
 }
 
 impl<'a> CompositeSource<'a> {
-    pub(super) fn new(store: &'a Store, compositor: &'a RefCell<Compositor>) -> Self {
+    pub(crate) fn new(store: &'a Store, compositor: &'a RefCell<Compositor>) -> Self {
         Self {
             store,
             compositor,
@@ -52,7 +52,7 @@ impl<'a> CompositeSource<'a> {
     }
 
     /// The mask of a layer by its name, or the terrain's selection: `selection`.
-    pub(super) fn mask(&self, name: &str) -> Option<Mask> {
+    pub(crate) fn mask(&self, name: &str) -> Option<Mask> {
         let layer = self.store.layers().iter().find(|layer| layer.name == name);
         let field = match layer {
             // One that was never painted is 1 everywhere.
@@ -68,7 +68,7 @@ impl<'a> CompositeSource<'a> {
     }
 
     /// Shows these masks, four at most, from now on; tells whether they are others than before.
-    pub(super) fn show(&mut self, masks: Vec<Mask>) -> bool {
+    pub(crate) fn show(&mut self, masks: Vec<Mask>) -> bool {
         let is_new = self.masks != masks;
         if is_new {
             self.masks = masks;
@@ -87,7 +87,7 @@ impl<'a> CompositeSource<'a> {
     }
 
     /// The masks over a page; `None` where none is shown. A damaged one is as if it was never painted.
-    pub(super) fn masks_over(&self, place: PagePlace) -> Option<Vec<[u8; 4]>> {
+    pub(crate) fn masks_over(&self, place: PagePlace) -> Option<Vec<[u8; 4]>> {
         if self.masks.is_empty() {
             return None;
         }

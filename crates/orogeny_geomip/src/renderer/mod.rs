@@ -193,6 +193,33 @@ impl Renderer {
         Ok(())
     }
 
+    /// Takes a part of a page that is there and has changed: so many samples from a first one on, of its heights as they are now. Nothing
+    /// happens where the page is not there, or has no such part.
+    pub fn upload_part(&mut self, place: PagePlace, heights: &Page, first: [u32; 2], num: [u32; 2]) {
+        let size = self.layout.size();
+        let is_in_page = first.iter().zip(num).all(|(first, num)| num > 0 && first + num <= size);
+        if let Some(slot) = self.slots.slot(place).filter(|_| is_in_page && heights.size() == size) {
+            self.heights.write_part(&self.gpu, slot, bytemuck::cast_slice(heights.samples()), first, num);
+        }
+    }
+
+    /// Whether a page is there.
+    #[must_use]
+    pub fn holds(&self, place: PagePlace) -> bool {
+        self.slots.slot(place).is_some()
+    }
+
+    /// Whether the next picture is drawn from a page, where it is in sight.
+    #[must_use]
+    pub fn is_shown(&self, place: PagePlace) -> bool {
+        self.active.contains_key(&place)
+    }
+
+    /// The height of the ground where nothing is painted, metres, from now on.
+    pub const fn set_unpainted_m(&mut self, unpainted_m: f32) {
+        self.unpainted_m = unpainted_m;
+    }
+
     /// Takes a material set, resolved for this terrain, with the texture of each of its layers: all of one size, each with all of its levels
     /// from the largest on.
     ///

@@ -85,6 +85,18 @@ impl PageTexture {
 
     /// Copies a page into a slot, before whatever is submitted next.
     pub(super) fn write(&self, gpu: &Gpu, slot: u32, samples: &[u8]) {
+        self.write_part(gpu, slot, samples, [0, 0], [self.layout.size(); 2]);
+    }
+
+    /// Copies a part of a page, which is given whole: so many samples from a first one on.
+    pub(super) fn write_part(
+        &self,
+        gpu: &Gpu,
+        slot: u32,
+        samples: &[u8],
+        [x, z]: [u32; 2],
+        [width, depth]: [u32; 2],
+    ) {
         let (size, slots_a_side) = (self.layout.size(), Self::slots_a_side(self.layout));
         let slots_a_layer = slots_a_side * slots_a_side;
         let cell = slot % slots_a_layer;
@@ -93,15 +105,19 @@ impl PageTexture {
                 texture: &self.texture,
                 mip_level: 0,
                 origin: wgpu::Origin3d {
-                    x: cell % slots_a_side * size,
-                    y: cell / slots_a_side * size,
+                    x: cell % slots_a_side * size + x,
+                    y: cell / slots_a_side * size + z,
                     z: slot / slots_a_layer,
                 },
                 aspect: wgpu::TextureAspect::All,
             },
             samples,
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size * 4), rows_per_image: None },
-            wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
+            wgpu::TexelCopyBufferLayout {
+                offset: u64::from(z * size + x) * 4,
+                bytes_per_row: Some(size * 4),
+                rows_per_image: None,
+            },
+            wgpu::Extent3d { width, height: depth, depth_or_array_layers: 1 },
         );
     }
 }

@@ -45,7 +45,11 @@ impl Targets {
                 DEPTH_FORMAT,
                 wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
             )?,
-            picture: texture("orogeny.picture", PICTURE_FORMAT, wgpu::TextureUsages::COPY_SRC)?,
+            picture: texture(
+                "orogeny.picture",
+                PICTURE_FORMAT,
+                wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING,
+            )?,
         })
     }
 

@@ -1,0 +1,186 @@
+//! An open terrain: its session, what is drawn of it, and what is under way.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use orogeny_engine::session::{Event, Session, Status, Ticket};
+use orogeny_engine::{Gpu, Layer, LayerContent, LiveView, Progress};
+
+use crate::{CameraControl, Result};
+
+/// Bytes of pages that are drawn from at most.
+const DRAWN_BYTES: u64 = 512 << 20;
+
+/// Something that was asked for and is not done yet.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// By what the session knows it.
+    pub ticket: Ticket,
+    /// What it is, for people.
+    pub what: String,
+    /// How far it has come.
+    pub progress: Option<Progress>,
+}
+
+/// Something that was told.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// What.
+    pub text: String,
+    /// Whether something went wrong.
+    pub is_error: bool,
+}
+
+/// An open terrain.
+#[derive(Debug)]
+pub struct Document {
+    /// Its file.
+    pub path: PathBuf,
+    /// What works on it.
+    pub session: Session,
+    /// Layers, history and more, as last told.
+    pub status: Status,
+    /// What draws it.
+    pub view: LiveView,
+    /// Where it is looked from.
+    pub camera: CameraControl,
+    /// What was asked for and is not done, in order.
+    pub jobs: Vec<Job>,
+    /// The layer that is worked on, by its id.
+    pub layer: u32,
+    /// The stroke that is being drawn.
+    pub stroke: Option<Ticket>,
+}
+
+impl Document {
+    /// A terrain whose session has told its first status.
+    pub fn new(
+        path: &Path,
+        session: Session,
+        status: Status,
+        gpu: &Gpu,
+        camera: Option<CameraControl>,
+    ) -> Result<Self> {
+        let view = LiveView::new(gpu, &status, DRAWN_BYTES)?;
+        let camera = camera.unwrap_or_else(|| framing(&status, [16.0, 9.0]));
+        let layer = status.layers.first().map_or(0, |layer| layer.id);
+        Ok(Self {
+            path: path.to_owned(),
+            session,
+            status,
+            view,
+            camera,
+            jobs: Vec::new(),
+            layer,
+            stroke: None,
+        })
+    }
+
+    /// Draws on another device, from pages that are asked for again.
+    ///
+    /// # Errors
+    /// When it has no memory for that.
+    pub fn draw_on(&mut self, gpu: &Gpu) -> Result<()> {
+        self.view = LiveView::new(gpu, &self.status, DRAWN_BYTES)?;
+        Ok(())
+    }
+
+    /// Shows all of it.
+    pub fn frame_all(&mut self, size: [f32; 2]) {
+        self.camera = framing(&self.status, size);
+    }
+
+    /// Notes that something was asked for.
+    pub fn note(&mut self, ticket: Ticket, what: impl Into<String>) {
+        self.jobs.push(Job { ticket, what: what.into(), progress: None });
+    }
+
+    /// Takes what the session has told, and gives what people are to hear of it.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn take_events(&mut self) -> Result<Vec<Message>> {
+        let mut messages = Vec::new();
+        for event in self.session.events() {
+            self.view.take(&event)?;
+            match event {
+                Event::Status(status) => self.take_status(*status),
+                Event::Progress { ticket, progress } => {
+                    if let Some(job) = self.jobs.iter_mut().find(|job| job.ticket == ticket) {
+                        job.progress = Some(progress);
+                    }
+                }
+                Event::Done { ticket, applied } => {
+                    self.end(ticket);
+                    if let Some(made) = applied.iter().find_map(|applied| applied.made_layer) {
+                        self.layer = made;
+                    }
+                    let num_clamped: u64 =
+                        applied.iter().map(|applied| applied.notices.num_clamped_heights).sum();
+                    if num_clamped > 0 {
+                        let text = format!(
+                            "{num_clamped} heights would have left what a terrain holds, and were clamped"
+                        );
+                        messages.push(Message { text, is_error: false });
+                    }
+                }
+                Event::Failed { ticket, message, is_cancelled } => {
+                    self.end(ticket);
+                    let text =
+                        if is_cancelled { "cancelled: nothing was changed".to_owned() } else { message };
+                    messages.push(Message { text, is_error: !is_cancelled });
+                }
+                Event::Changed { .. } | Event::Pages(_) => {}
+            }
+        }
+        Ok(messages)
+    }
+
+    fn take_status(&mut self, status: Status) {
+        self.status = status;
+        if !self.status.layers.iter().any(|layer| layer.id == self.layer) {
+            self.layer = self.status.layers.last().map_or(0, |layer| layer.id);
+        }
+    }
+
+    fn end(&mut self, ticket: Ticket) {
+        self.jobs.retain(|job| job.ticket != ticket);
+        if self.stroke == Some(ticket) {
+            self.end_stroke();
+        }
+    }
+
+    /// The hand is lifted, or what it draws came to nothing.
+    pub fn end_stroke(&mut self) {
+        self.stroke = None;
+        self.view.hold_still(false);
+    }
+
+    /// The layer that is worked on.
+    #[must_use]
+    pub fn current_layer(&self) -> Option<&Layer> {
+        self.status.layers.iter().find(|layer| layer.id == self.layer)
+    }
+
+    /// Whether strokes change the current layer's mask, as it has no heights of its own.
+    #[must_use]
+    pub fn has_only_mask(&self) -> bool {
+        self.current_layer().is_some_and(|layer| layer.content != LayerContent::Heights)
+    }
+
+    /// The terrain's width and depth, metres.
+    #[must_use]
+    pub fn size_m(&self) -> [f64; 2] {
+        let grid = &self.status.grid;
+        [grid.width(), grid.depth()].map(|num| f64::from(num.max(2) - 1) * grid.spacing_m())
+    }
+}
+
+fn framing(status: &Status, size: [f32; 2]) -> CameraControl {
+    let (_, summary) = status.root;
+    let along = |num: u32| f64::from(num.max(2) - 1) * status.grid.spacing_m();
+    let low = DVec3::new(0.0, f64::from(summary.bounds.min_m), 0.0);
+    let high =
+        DVec3::new(along(status.grid.width()), f64::from(summary.bounds.max_m), along(status.grid.depth()));
+    CameraControl::framing(low, high, size)
+}

@@ -1,0 +1,553 @@
+//! The editor without its window: what is open, what is shown, what commands do.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::{TextureId, Ui};
+use orogeny_engine::session::{Event, Session, Travel};
+use orogeny_engine::{
+    BrushType, Cursor, Gpu, Mode, Operation, PointerSample, Presets, Settings, TerrainGrid, ViewRequest,
+};
+use serde_json::{Value, json};
+
+use crate::Result;
+use crate::command::Command;
+use crate::document::{Document, Message};
+use crate::keymap::Keymap;
+use crate::panels::{Dialog, Panels};
+use crate::preferences::Preferences;
+use crate::quality::Quality;
+use crate::tool::{Tool, Twist};
+use crate::viewport::{Viewport, Wish};
+
+/// Messages that are kept at most.
+const MAX_MESSAGES: usize = 200;
+
+/// What an editor is started with.
+pub struct EditorOptions {
+    /// How terrains are worked on.
+    pub settings: Settings,
+    /// What there is to paint with beside the brushes.
+    pub presets: Presets,
+    /// Where preferences are kept; `None`: nowhere.
+    pub preferences: Option<PathBuf>,
+    /// Makes the terrain that comes along, where it is not there yet, and tells its file.
+    pub bundled: Box<dyn Fn() -> orogeny_engine::Result<PathBuf>>,
+    /// Has the next frame drawn; called from other threads.
+    pub wake: Arc<dyn Fn() + Send + Sync>,
+}
+
+impl std::fmt::Debug for EditorOptions {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("EditorOptions").field("settings", &self.settings).finish_non_exhaustive()
+    }
+}
+
+/// A terrain that is being opened.
+#[derive(Debug)]
+struct Opening {
+    path: PathBuf,
+    session: Session,
+}
+
+/// All of the editor but its window.
+#[derive(Debug)]
+pub struct Editor {
+    pub(crate) options: EditorOptions,
+    pub(crate) preferences: Preferences,
+    pub(crate) keymap: Keymap,
+    gpu: Gpu,
+    opening: Option<Opening>,
+    pub(crate) document: Option<Document>,
+    pub(crate) tool: Tool,
+    pub(crate) request: ViewRequest,
+    pub(crate) viewport: Viewport,
+    quality: Quality,
+    pub(crate) panels: Panels,
+    pub(crate) messages: Vec<Message>,
+    is_closing: bool,
+    /// The picture of the viewport as egui knows it.
+    picture: Option<TextureId>,
+    /// Whether what is drawn went into a new texture.
+    is_picture_new: bool,
+}
+
+impl Editor {
+    /// An editor with nothing open, that draws on a device.
+    #[must_use]
+    pub fn new(options: EditorOptions, gpu: Gpu) -> Self {
+        let read = options.preferences.as_deref().map_or(Ok(Preferences::default()), Preferences::read);
+        let (preferences, wrong) = match read {
+            Ok(preferences) => (preferences, None),
+            Err(err) => (Preferences::default(), Some(Message { text: err.to_string(), is_error: true })),
+        };
+        // What cannot be read is not written over either.
+        let preferences_file = options.preferences.clone().filter(|_| wrong.is_none());
+        let first_mode = if gpu.description().is_software { Mode::Shaded } else { Mode::Textured };
+        let mode = Mode::ALL.into_iter().find(|mode| mode.name() == preferences.mode).unwrap_or(first_mode);
+        let mut panels = Panels::default();
+        if !preferences.has_seen_tutorial {
+            panels.dialog = Some(Dialog::Tutorial { step: 0 });
+        }
+        Self {
+            tool: Tool::new(&preferences.brush, preferences.brushes.clone()),
+            keymap: preferences.keymap(),
+            options: EditorOptions { preferences: preferences_file, ..options },
+            preferences,
+            gpu,
+            opening: None,
+            document: None,
+            request: ViewRequest { mode, ..ViewRequest::default() },
+            viewport: Viewport::default(),
+            quality: Quality::default(),
+            panels,
+            messages: wrong.into_iter().collect(),
+            is_closing: false,
+            picture: None,
+            is_picture_new: true,
+        }
+    }
+
+    /// Opens what was open last, or the terrain that comes along.
+    pub fn open_last(&mut self) {
+        let last = self.preferences.recent.iter().find(|path| path.is_file()).cloned();
+        match last.map_or_else(|| (self.options.bundled)(), Ok) {
+            Ok(path) => self.open(&path),
+            Err(err) => self.tell(err.to_string(), true),
+        }
+    }
+
+    /// Opens a terrain in the place of the one that is open.
+    pub fn open(&mut self, path: &Path) {
+        let wake = Arc::clone(&self.options.wake);
+        // The file is no one else's while it is open, not even this editor's.
+        if self.document.as_ref().is_some_and(|document| document.path == path) {
+            return;
+        }
+        match Session::open(path, self.options.settings.clone(), move || wake()) {
+            Ok(session) => self.opening = Some(Opening { path: path.to_owned(), session }),
+            Err(err) => self.tell(format!("`{}` cannot be opened: {err}", path.display()), true),
+        }
+    }
+
+    /// Makes a flat terrain and opens it.
+    pub fn create(&mut self, path: &Path, grid: TerrainGrid, height_m: f32) {
+        let made = orogeny_engine::Terrain::create(path, grid, height_m, self.options.settings.clone());
+        match made.and_then(orogeny_engine::Terrain::close) {
+            Ok(()) => self.open(path),
+            Err(err) => self.tell(format!("`{}` cannot be made: {err}", path.display()), true),
+        }
+    }
+
+    /// How terrains are worked on.
+    #[must_use]
+    pub const fn settings(&self) -> &Settings {
+        &self.options.settings
+    }
+
+    /// Draws on another device from now on: the old one was lost.
+    pub fn set_gpu(&mut self, gpu: Gpu) {
+        self.gpu = gpu;
+        self.picture = None;
+        self.is_picture_new = true;
+        let Some(document) = &mut self.document else { return };
+        if let Err(err) = document.draw_on(&self.gpu) {
+            self.tell(err.to_string(), true);
+        }
+    }
+
+    /// Takes what happened since the last frame.
+    pub fn update(&mut self) {
+        self.finish_opening();
+        let Some(document) = &mut self.document else { return };
+        match document.take_events() {
+            Ok(messages) => {
+                messages.into_iter().for_each(|message| self.tell(message.text, message.is_error))
+            }
+            Err(err) => self.tell(err.to_string(), true),
+        }
+    }
+
+    fn finish_opening(&mut self) {
+        let Some(opening) = self.opening.take() else { return };
+        let mut status = None;
+        for event in opening.session.events() {
+            match event {
+                Event::Status(told) => status = Some(*told),
+                Event::Failed { message, .. } => return self.tell(message, true),
+                _ => {}
+            }
+        }
+        let Some(status) = status else {
+            self.opening = Some(opening);
+            return;
+        };
+        self.remember();
+        let Opening { path, session } = opening;
+        let camera = self.preferences.cameras.get(&path).copied();
+        match Document::new(&path, session, status, &self.gpu, camera) {
+            Ok(document) => {
+                self.tool.set_terrain(&document.status);
+                self.document = Some(document);
+                self.is_picture_new = true;
+                self.preferences.note_opened(&path);
+                self.remember();
+            }
+            Err(err) => self.tell(err.to_string(), true),
+        }
+    }
+
+    /// Writes preferences, with where the eye is.
+    pub fn remember(&mut self) {
+        if let Some(document) = &self.document {
+            self.preferences.cameras.insert(document.path.clone(), document.camera);
+        }
+        self.preferences.brush = self.tool.brush_type.name().to_owned();
+        self.preferences.brushes.clone_from(&self.tool.objects);
+        self.preferences.mode = self.request.mode.name().to_owned();
+        let Some(path) = self.options.preferences.clone() else { return };
+        if let Err(err) = self.preferences.write(&path) {
+            self.tell(err.to_string(), true);
+        }
+    }
+
+    /// Tells people something.
+    pub fn tell(&mut self, text: impl Into<String>, is_error: bool) {
+        let text = text.into();
+        if is_error {
+            tracing::warn!("{text}");
+            self.panels.shows_message = true;
+        }
+        self.messages.push(Message { text, is_error });
+        let num_over = self.messages.len().saturating_sub(MAX_MESSAGES);
+        self.messages.drain(..num_over);
+    }
+
+    /// The last message.
+    #[must_use]
+    pub fn last_message(&self) -> Option<&str> {
+        self.messages.last().map(|message| message.text.as_str())
+    }
+
+    /// Whether the window is to close.
+    #[must_use]
+    pub const fn is_closing(&self) -> bool {
+        self.is_closing
+    }
+
+    /// The file that is open.
+    #[must_use]
+    pub fn open_file(&self) -> Option<&Path> {
+        self.document.as_ref().map(|document| document.path.as_path())
+    }
+
+    /// Whether nothing is under way, and what is seen is all there is to see.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        let is_settled = |document: &Document| document.jobs.is_empty() && document.view.is_complete();
+        self.opening.is_none() && self.document.as_ref().is_none_or(is_settled)
+    }
+
+    /// Whether another frame is wanted without anything happening.
+    #[must_use]
+    pub fn wants_frame(&self) -> bool {
+        let is_waiting = |document: &Document| document.view.is_waiting();
+        self.viewport.is_busy() || self.document.as_ref().is_some_and(is_waiting)
+    }
+
+    /// How long the last frame took, so that the next ones are drawn as finely as there is time for.
+    /// Tells whether another one would show more.
+    pub fn note_frame(&mut self, elapsed: std::time::Duration) -> bool {
+        self.quality.note_frame(elapsed) && self.document.is_some()
+    }
+
+    /// Draws everything, and takes input.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let typing = ui.ctx().egui_wants_keyboard_input();
+        if !typing {
+            let pressed = ui.input_mut(|input| self.keymap.take_pressed(input));
+            for command in pressed {
+                self.run(command, ui.ctx());
+            }
+        }
+        self.set_look(ui.ctx());
+        crate::panels::show(self, ui);
+        self.look(ui);
+        crate::panels::show_dialog(self, ui.ctx());
+    }
+
+    fn set_look(&self, ctx: &egui::Context) {
+        let theme = if self.preferences.is_light { egui::Theme::Light } else { egui::Theme::Dark };
+        ctx.set_theme(theme);
+        if self.preferences.interface_scale > 0.0 {
+            ctx.set_zoom_factor(self.preferences.interface_scale);
+        }
+    }
+
+    /// The viewport: what is left of the window.
+    fn look(&mut self, ui: &mut Ui) {
+        let Some(document) = &mut self.document else {
+            ui.centered_and_justified(|ui| ui.label("No terrain is open: File, Open or New"));
+            return;
+        };
+        let pixels_per_point = ui.ctx().pixels_per_point();
+        let before = (document.camera, self.viewport.hovered);
+        let (rect, room_px, wishes) = self.viewport.show(ui, document, &mut self.request, pixels_per_point);
+        if before != (document.camera, self.viewport.hovered) || self.viewport.is_busy() {
+            self.quality.note_motion();
+        }
+        if let Some(wait) = self.quality.until_still() {
+            ui.ctx().request_repaint_after(wait);
+        }
+        let size_px = self.quality.size_px(room_px);
+        let layer = document.layer;
+        let is_on_mask = self.tool.is_on_mask || document.has_only_mask();
+        // The ring is that of a stroke that could be drawn; a brush that lacks something has none.
+        let mut of_ring = self.tool.clone();
+        of_ring.is_on_mask = is_on_mask;
+        let ring = of_ring.stroke(layer, Twist::None, &self.options.presets);
+        self.request.cursors =
+            ring.map(|stroke| self.viewport.cursors(&stroke, document)).unwrap_or_default();
+        let source = self.tool.source_m().map(|centre_m| Cursor {
+            centre_m,
+            radius_m: (self.tool.radius_m() / 4.0) as f32,
+            hardness: 1.0,
+        });
+        self.request.cursors.extend(source);
+        let camera = document.camera.camera(size_px);
+        let has_shadows = !self.gpu.description().is_software || self.quality.is_still();
+        let request = ViewRequest { has_shadows, ..self.request.clone() };
+        let drawn = document.view.draw(&camera, size_px, &request);
+        let wanted = document.view.wanted();
+        if !wanted.is_empty() {
+            document.session.look(wanted);
+        }
+        match self.picture {
+            Some(picture) => {
+                let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+                ui.painter().image(picture, rect, whole, egui::Color32::WHITE);
+            }
+            None => _ = ui.painter().rect_filled(rect, 0.0, egui::Color32::DARK_GRAY),
+        }
+        if let Err(err) = drawn {
+            self.tell(err.to_string(), true);
+        }
+        for wish in wishes {
+            self.grant(wish);
+        }
+    }
+
+    fn grant(&mut self, wish: Wish) {
+        let Some(document) = &mut self.document else { return };
+        match wish {
+            Wish::Begin(twist) => {
+                let was_on_mask = self.tool.is_on_mask;
+                self.tool.is_on_mask |= document.has_only_mask();
+                let stroke = self.tool.stroke(document.layer, twist, &self.options.presets);
+                self.tool.is_on_mask = was_on_mask;
+                match stroke {
+                    Ok(stroke) => {
+                        let what = format!("stroke {}", stroke.brush().brush_type.name());
+                        let ticket = document.session.begin_stroke(stroke);
+                        document.stroke = Some(ticket);
+                        document.note(ticket, what);
+                    }
+                    Err(err) => {
+                        document.end_stroke();
+                        self.viewport.let_go();
+                        self.tell(err.to_string(), true);
+                    }
+                }
+            }
+            Wish::Points(points) if document.stroke.is_some() => {
+                let has_time = self.tool.object().get("airbrush").and_then(Value::as_bool) == Some(true);
+                let sample = |([x_m, z_m], time_s): ([f64; 2], f64)| {
+                    let sample = PointerSample::at(x_m, z_m);
+                    PointerSample { time_s: has_time.then_some(time_s), ..sample }
+                };
+                document.session.push_points(points.into_iter().map(sample).collect());
+            }
+            Wish::Lift if document.stroke.is_some() => {
+                document.session.lift();
+                document.end_stroke();
+            }
+            Wish::Points(_) | Wish::Lift => {}
+        }
+    }
+
+    /// What draws the picture, where its texture is another than when this was last asked: to be made known to egui.
+    pub fn take_picture_view(&mut self) -> Option<wgpu::TextureView> {
+        let document = self.document.as_mut()?;
+        let is_new = std::mem::take(&mut self.is_picture_new) | document.view.take_is_resized();
+        is_new.then(|| document.view.picture_view())
+    }
+
+    /// How egui knows the picture from now on.
+    pub const fn set_picture(&mut self, picture: TextureId) {
+        self.picture = Some(picture);
+    }
+
+    /// Runs operations on what is open.
+    pub(crate) fn apply(&mut self, what: &str, operations: Vec<Value>) {
+        let Some(document) = &mut self.document else { return };
+        let read = |value| Operation::from_json_with(value, &self.options.presets);
+        match operations.into_iter().map(read).collect::<Result<Vec<_>, _>>() {
+            Ok(operations) => {
+                let ticket = document.session.apply(operations);
+                document.note(ticket, what);
+            }
+            Err(err) => self.tell(err.to_string(), true),
+        }
+    }
+
+    /// Fills the current layer with the brush.
+    pub(crate) fn fill(&mut self) {
+        let Some(document) = &mut self.document else { return };
+        match self.tool.fill(document.layer, &self.options.presets) {
+            Ok(operation) => {
+                let what = format!("fill {}", self.tool.brush_type.name());
+                let ticket = document.session.apply(vec![operation]);
+                document.note(ticket, what);
+            }
+            Err(err) => self.tell(err.to_string(), true),
+        }
+    }
+
+    pub(crate) fn travel(&mut self, what: &str, travel: Travel) {
+        let Some(document) = &mut self.document else { return };
+        let ticket = document.session.travel(travel);
+        document.note(ticket, what);
+    }
+
+    /// Does what a command says.
+    pub fn run(&mut self, command: Command, ctx: &egui::Context) {
+        match command {
+            Command::New => self.panels.dialog = Some(Dialog::new_terrain(self)),
+            Command::Open => self.panels.dialog = Some(Dialog::open(self)),
+            Command::Import => self.panels.dialog = Some(Dialog::import(self)),
+            Command::Export => self.panels.dialog = Some(Dialog::export(self)),
+            Command::Quit => self.is_closing = true,
+            Command::Undo => self.travel("undo", Travel::Undo(1)),
+            Command::Redo => self.travel("redo", Travel::Redo(1)),
+            Command::Cancel => self.cancel(),
+            Command::FrameAll => {
+                let size = self.viewport.size;
+                if let Some(document) = &mut self.document {
+                    document.frame_all([size.x, size.y]);
+                }
+            }
+            Command::LookDown => self.look_down(),
+            Command::Larger => self.tool.resize(1),
+            Command::Smaller => self.tool.resize(-1),
+            Command::Stronger => self.tool.strengthen(1),
+            Command::Weaker => self.tool.strengthen(-1),
+            Command::CopyFromHere => match self.viewport.hovered {
+                Some(place) => self.tool.copy_from([place.x, place.z]),
+                None => self.tell("hold the pointer over the ground that is to be copied", false),
+            },
+            Command::TakeHeight => match self.viewport.hovered {
+                Some(place) => {
+                    self.tool.brush_type = BrushType::SetHeight;
+                    self.tool.set("height", Some(place.y.into()));
+                }
+                None => self.tell("hold the pointer over the ground whose height is to be taken", false),
+            },
+            Command::Brush(brush_type) => self.tool.brush_type = brush_type,
+            Command::Mode(mode) => self.request.mode = mode,
+            Command::AddLayer
+            | Command::DuplicateLayer
+            | Command::RemoveLayer
+            | Command::RaiseLayer
+            | Command::LowerLayer
+            | Command::ToggleLayer => self.change_layer(command),
+            Command::SelectAll => self.apply("select", vec![json!({"op": "select", "shape": {"all": true}})]),
+            Command::SelectNothing => {
+                self.apply("select", vec![json!({"op": "select", "shape": {"nothing": true}})])
+            }
+            Command::InvertSelection => {
+                self.apply("select", vec![json!({"op": "select", "shape": {"keep": true}, "invert": true})]);
+            }
+            Command::CommandPalette => self.panels.dialog = Some(Dialog::Commands { search: String::new() }),
+            Command::ToggleTheme => {
+                self.preferences.is_light = !self.preferences.is_light;
+                self.remember();
+            }
+            Command::LargerInterface => self.scale_interface(ctx, 1.1),
+            Command::SmallerInterface => self.scale_interface(ctx, 1.0 / 1.1),
+            Command::ShowMessages => self.panels.shows_messages = !self.panels.shows_messages,
+            Command::ShowPreferences => self.panels.dialog = Some(Dialog::Preferences),
+            Command::ShowTutorial => self.panels.dialog = Some(Dialog::Tutorial { step: 0 }),
+        }
+        ctx.request_repaint();
+    }
+
+    fn scale_interface(&mut self, ctx: &egui::Context, factor: f32) {
+        self.preferences.interface_scale = (ctx.zoom_factor() * factor).clamp(0.5, 3.0);
+        self.remember();
+    }
+
+    fn cancel(&mut self) {
+        if self.panels.dialog.take().is_some() {
+            return;
+        }
+        self.viewport.let_go();
+        if let Some(document) = &mut self.document {
+            document.end_stroke();
+            document.session.cancel_all();
+        }
+    }
+
+    fn look_down(&mut self) {
+        let size = self.viewport.size;
+        let Some(document) = &mut self.document else { return };
+        document.frame_all([size.x, size.y]);
+        let [width_m, depth_m] = document.size_m();
+        let middle = glam::DVec3::new(width_m / 2.0, 0.0, depth_m / 2.0);
+        let high_m = f64::from(document.view.range_m()[1]);
+        let up_m = (document.camera.eye() - middle).length();
+        let above = glam::DVec3::new(middle.x, high_m.max(0.0) + up_m, middle.z);
+        document.camera = crate::CameraControl { eye_m: above.to_array(), heading: 0.0, pitch: -1.553 };
+    }
+
+    fn change_layer(&mut self, command: Command) {
+        let Some(document) = &self.document else { return };
+        let Some(layer) = document.current_layer() else { return };
+        let id = layer.id;
+        let layers = &document.status.layers;
+        let place = layers.iter().position(|other| other.id == id).unwrap_or_default();
+        let name_at = |place: usize| layers.get(place).map(|layer| layer.id);
+        let operation = match command {
+            Command::AddLayer => {
+                let is_taken = |name: &str| layers.iter().any(|layer| layer.name == name);
+                let name =
+                    (1..).map(|k| format!("Layer {k}")).find(|name| !is_taken(name)).unwrap_or_default();
+                json!({"op": "add_layer", "name": name, "above": id})
+            }
+            Command::DuplicateLayer => json!({"op": "duplicate_layer", "layer": id}),
+            Command::RemoveLayer => json!({"op": "remove_layer", "layer": id}),
+            Command::RaiseLayer => match name_at(place + 1) {
+                Some(above) => json!({"op": "move_layer", "layer": id, "above": above}),
+                None => return,
+            },
+            Command::LowerLayer => match place.checked_sub(1) {
+                None => return,
+                Some(0) => json!({"op": "move_layer", "layer": id}),
+                Some(below) => json!({"op": "move_layer", "layer": id, "above": name_at(below - 1)}),
+            },
+            _ => json!({"op": "set_layer", "layer": id, "visible": !layer.visible}),
+        };
+        self.apply(&command.title(), vec![operation]);
+    }
+
+    /// Closes what is open: what was done is on disk then.
+    ///
+    /// # Errors
+    /// When the terrain's file could not be closed well; nothing is lost then.
+    pub fn close(&mut self) -> Result<()> {
+        self.remember();
+        if let Some(document) = self.document.take() {
+            document.session.close()?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,29 @@
+//! The editor: a window in which a designer paints a terrain and sees it at once.
+//!
+//! It stands on the engine alone: a [`Session`](orogeny_engine::session::Session) works on the terrain on its own thread, a
+//! [`LiveView`](orogeny_engine::LiveView) draws what has arrived, and both tell of each other only by events. No frame waits for
+//! work.
+//!
+//! [`Editor`] is all of it but the window: it is given input and drawn by egui, in the program's window ([`run`]) as in tests.
+//! Whatever can be done is a [`Command`]: menus, keys, the command palette and tests all give those.
+
+mod camera;
+mod command;
+mod document;
+mod editor;
+mod error;
+mod keymap;
+mod panels;
+mod preferences;
+mod quality;
+mod tool;
+mod viewport;
+mod window;
+
+pub use camera::CameraControl;
+pub use command::Command;
+pub use editor::{Editor, EditorOptions};
+pub use error::{Error, Result};
+pub use keymap::{Habit, Keymap};
+pub use preferences::Preferences;
+pub use window::{Start, run};

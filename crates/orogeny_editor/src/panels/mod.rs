@@ -1,0 +1,107 @@
+//! What stands around the ground: menus, brushes, layers, history, the status line, and dialogs over it.
+
+mod brushes;
+mod commands;
+mod files;
+mod history;
+mod layers;
+mod menu;
+mod new_terrain;
+mod parameters;
+mod preferences;
+mod status;
+mod tutorial;
+
+use egui::{Context, Panel, ScrollArea, Ui};
+
+use crate::editor::Editor;
+
+pub(crate) use files::FileDialog;
+pub(crate) use new_terrain::NewTerrain;
+
+/// What is open over the ground.
+#[derive(Debug)]
+pub(crate) enum Dialog {
+    /// A flat terrain is made.
+    New(NewTerrain),
+    /// A file is opened, read or written.
+    File(FileDialog),
+    /// A command is looked for.
+    Commands { search: String },
+    /// Keys, theme, size.
+    Preferences,
+    /// The first steps.
+    Tutorial { step: usize },
+}
+
+/// What panels remember while the window is open.
+#[derive(Debug, Default)]
+pub(crate) struct Panels {
+    pub(crate) dialog: Option<Dialog>,
+    /// What is looked for among the brushes.
+    pub(crate) brush_search: String,
+    /// The name of a layer while it is typed, with the layer's id.
+    pub(crate) renaming: Option<(u32, String)>,
+    /// The name that a preset is saved under.
+    pub(crate) preset_name: String,
+    /// Whether the list of all messages is open.
+    pub(crate) shows_messages: bool,
+    /// Whether the last message is to be seen.
+    pub(crate) shows_message: bool,
+}
+
+/// Draws all of them but dialogs.
+pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
+    Panel::top("menu").show(ui, |ui| menu::show(editor, ui));
+    Panel::bottom("status").show(ui, |ui| status::show(editor, ui));
+    if editor.panels.shows_messages {
+        Panel::bottom("messages")
+            .resizable(true)
+            .default_size(140.0)
+            .show(ui, |ui| status::messages(editor, ui));
+    }
+    Panel::left("tools").resizable(true).default_size(270.0).show(ui, |ui| {
+        ScrollArea::vertical().id_salt("tools").show(ui, |ui| {
+            brushes::show(editor, ui);
+            ui.separator();
+            parameters::show(editor, ui);
+        });
+    });
+    Panel::right("document").resizable(true).default_size(250.0).show(ui, |ui| {
+        ScrollArea::vertical().id_salt("document").show(ui, |ui| {
+            layers::show(editor, ui);
+            ui.separator();
+            history::show(editor, ui);
+        });
+    });
+}
+
+/// Draws what is open over the ground.
+pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
+    let Some(dialog) = editor.panels.dialog.take() else { return };
+    let stays = match dialog {
+        Dialog::New(new) => new_terrain::show(editor, ctx, new).map(Dialog::New),
+        Dialog::File(file) => files::show(editor, ctx, file).map(Dialog::File),
+        Dialog::Commands { search } => {
+            commands::show(editor, ctx, search).map(|search| Dialog::Commands { search })
+        }
+        Dialog::Preferences => preferences::show(editor, ctx).then_some(Dialog::Preferences),
+        Dialog::Tutorial { step } => tutorial::show(editor, ctx, step).map(|step| Dialog::Tutorial { step }),
+    };
+    // What it did may have opened another one.
+    if editor.panels.dialog.is_none() {
+        editor.panels.dialog = stays;
+    }
+}
+
+/// A window in the middle that is a dialog. `None` where its cross was clicked.
+fn window<T>(ctx: &Context, title: &str, add: impl FnOnce(&mut Ui) -> T) -> Option<T> {
+    let mut is_open = true;
+    let shown = egui::Window::new(title)
+        .open(&mut is_open)
+        .collapsible(false)
+        .default_width(420.0)
+        .anchor(egui::Align2::CENTER_CENTER, [0.0, -40.0])
+        .show(ctx, add);
+    shown.and_then(|shown| shown.inner).filter(|_| is_open)
+}

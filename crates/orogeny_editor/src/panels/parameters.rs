@@ -1,0 +1,198 @@
+//! The brush's parameters: size and strength first, then all that its type has, each with its unit, range and default.
+
+use egui::{CollapsingHeader, ComboBox, DragValue, Slider, TextEdit, Ui};
+use orogeny_engine::{Parameter, ParameterKind};
+use serde_json::{Map, Value};
+
+use crate::command::{capitalised, words};
+use crate::editor::Editor;
+use crate::tool::limits;
+
+/// Sizes and strengths have sliders of their own.
+const SHOWN_BEFORE: [&str; 2] = ["radius", "strength"];
+
+pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
+    let brush_type = editor.tool.brush_type;
+    ui.heading(capitalised(&words(brush_type.name())));
+    ui.label(egui::RichText::new(capitalised(brush_type.summary())).weak());
+    size_and_strength(editor, ui);
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut editor.tool.is_on_mask, "On mask")
+            .on_hover_text("Paints on the layer's mask: where the layer counts");
+        ui.checkbox(&mut editor.tool.is_on_selection, "On selection")
+            .on_hover_text("Paints on the selection, which gates look at");
+        if ui.button("Fill").on_hover_text("Applies the brush to all of the layer at once").clicked() {
+            editor.fill();
+        }
+    });
+    let mut object = editor.tool.object();
+    let before = object.clone();
+    let parameters: Vec<_> =
+        Parameter::of(brush_type).filter(|parameter| !SHOWN_BEFORE.contains(&parameter.name)).collect();
+    of_object(ui, &parameters, &mut object);
+    if object != before {
+        for name in before.keys().chain(object.keys()) {
+            editor.tool.set(name, object.get(name).cloned());
+        }
+    }
+}
+
+fn size_and_strength(editor: &mut Editor, ui: &mut Ui) {
+    let tool = &mut editor.tool;
+    let longest_m = editor.document.as_ref().map_or(1.0e4, |document| {
+        let [width_m, depth_m] = document.size_m();
+        width_m.max(depth_m)
+    });
+    let spacing_m = editor.document.as_ref().map_or(1.0, |document| document.status.grid.spacing_m());
+    let mut radius_m = tool.radius_m();
+    let sizes = (0.5 * spacing_m).min(radius_m)..=(longest_m / 2.0).max(radius_m);
+    let size = Slider::new(&mut radius_m, sizes).logarithmic(true).suffix(" m").text("Radius");
+    if ui.add(size).on_hover_text("Half of the brush's width; keys [ and ]").changed() {
+        tool.set_radius_m(radius_m);
+    }
+    if !Parameter::of(tool.brush_type).any(|parameter| parameter.name == "strength") {
+        return;
+    }
+    let mut percent = tool.share() * 100.0;
+    let most = percent.max(100.0);
+    let strength = Slider::new(&mut percent, 0.0..=most).suffix(" %").text("Strength");
+    let hint = if tool.is_in_metres() {
+        format!("{:.3} m for each pass; keys - and =", tool.strength())
+    } else {
+        "The share of the way that one pass goes; keys - and =".to_owned()
+    };
+    if ui.add(strength).on_hover_text(hint).changed() {
+        let (_, most) = limits(tool.brush_type, "strength");
+        tool.set_share((percent / 100.0).min(most.max(1.0)));
+    }
+}
+
+/// The parameters of an object, or of one within it.
+fn of_object(ui: &mut Ui, parameters: &[&Parameter], object: &mut Map<String, Value>) {
+    for parameter in parameters {
+        if let ParameterKind::Object { parameters } = parameter.kind {
+            let is_given = object.contains_key(parameter.name);
+            let title = capitalised(&words(parameter.name));
+            let title = if is_given { format!("{title} *") } else { title };
+            let header = CollapsingHeader::new(title).id_salt(parameter.name).show(ui, |ui| {
+                let mut inner =
+                    object.get(parameter.name).and_then(Value::as_object).cloned().unwrap_or_default();
+                let before = inner.clone();
+                let parameters: Vec<_> = parameters.iter().collect();
+                of_object(ui, &parameters, &mut inner);
+                if inner.is_empty() {
+                    object.remove(parameter.name);
+                } else if inner != before {
+                    object.insert(parameter.name.to_owned(), inner.into());
+                }
+            });
+            header.header_response.on_hover_text(capitalised(parameter.meaning));
+            continue;
+        }
+        ui.horizontal(|ui| {
+            let given = object.get(parameter.name).cloned();
+            let changed = one(ui, parameter, given.as_ref());
+            if let Some(value) = changed {
+                object.insert(parameter.name.to_owned(), value);
+            }
+            if given.is_some() && ui.small_button("x").on_hover_text("Back to the default").clicked() {
+                object.remove(parameter.name);
+            }
+        });
+    }
+}
+
+/// One parameter; its new value where it was changed.
+fn one(ui: &mut Ui, parameter: &Parameter, given: Option<&Value>) -> Option<Value> {
+    let title = capitalised(&words(parameter.name));
+    let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
+    let number = given.and_then(Value::as_f64);
+    let (response, value) = match parameter.kind {
+        ParameterKind::Number { min, max, default } => {
+            let mut value = number.or(default).unwrap_or(min.clamp(0.0, max));
+            let is_wide = max - min > 1000.0;
+            let response = if is_wide {
+                let speed = (value.abs() * 0.01).max(0.01);
+                ui.add(DragValue::new(&mut value).range(min..=max).speed(speed).suffix(unit))
+            } else {
+                ui.add(Slider::new(&mut value, min..=max).suffix(unit))
+            };
+            (response, Value::from(value))
+        }
+        ParameterKind::Integer { min, max, default } => {
+            let mut value = number.map_or(default, |number| number as u32);
+            (ui.add(DragValue::new(&mut value).range(min..=max).suffix(unit)), value.into())
+        }
+        ParameterKind::Flag { default } => {
+            let mut value = given.and_then(Value::as_bool).unwrap_or(default);
+            (ui.checkbox(&mut value, ""), value.into())
+        }
+        ParameterKind::Choice { words } => {
+            let mut value =
+                given.and_then(Value::as_str).or(words.first().copied()).unwrap_or_default().to_owned();
+            let before = value.clone();
+            let mut response = ComboBox::from_id_salt(parameter.name)
+                .selected_text(&value)
+                .show_ui(ui, |ui| {
+                    for word in words {
+                        ui.selectable_value(&mut value, (*word).to_owned(), *word);
+                    }
+                })
+                .response;
+            if value != before {
+                response.mark_changed();
+            }
+            (response, value.into())
+        }
+        ParameterKind::Numbers { min, max, default } => {
+            let given = given.and_then(Value::as_array);
+            let mut values: Vec<f64> = default
+                .iter()
+                .enumerate()
+                .map(|(index, default)| {
+                    given.and_then(|given| given.get(index)).and_then(Value::as_f64).unwrap_or(*default)
+                })
+                .collect();
+            let add = |value: &mut f64| ui.add(DragValue::new(value).range(min..=max).speed(0.1));
+            let response = values.iter_mut().map(add).reduce(|all, one| all | one)?;
+            (response, values.into())
+        }
+        // What has a form of its own is typed as recipes have it.
+        _ => return text(ui, parameter, &title, given),
+    };
+    let response = response.on_hover_text(capitalised(parameter.meaning));
+    let label = ui.label(title).on_hover_text(capitalised(parameter.meaning));
+    let response = response.labelled_by(label.id);
+    response.changed().then_some(value)
+}
+
+/// A parameter that is typed: text as it is, all else as JSON.
+fn text(ui: &mut Ui, parameter: &Parameter, title: &str, given: Option<&Value>) -> Option<Value> {
+    let is_text = matches!(parameter.kind, ParameterKind::Text | ParameterKind::Layer);
+    let id = ui.scope_id().with(parameter.name);
+    let written = match given {
+        Some(Value::String(text)) if is_text => text.clone(),
+        Some(value) => value.to_string(),
+        None => String::new(),
+    };
+    // What is half typed is no value yet.
+    let mut typed = ui.data_mut(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.clone());
+    let response = ui.add(TextEdit::singleline(&mut typed).desired_width(110.0).hint_text("default"));
+    let response = response.on_hover_text(capitalised(parameter.meaning));
+    let label = ui.label(title).on_hover_text(capitalised(parameter.meaning));
+    let response = response.labelled_by(label.id);
+    if !response.lost_focus() {
+        let half = response.has_focus().then_some(typed);
+        ui.data_mut(|data| match half {
+            Some(typed) => _ = data.insert_temp(id, typed),
+            None => data.remove::<String>(id),
+        });
+        return None;
+    }
+    ui.data_mut(|data| data.remove::<String>(id));
+    if typed == written || typed.is_empty() {
+        return None;
+    }
+    let parsed = serde_json::from_str(&typed);
+    if is_text { Some(parsed.ok().filter(Value::is_number).unwrap_or(typed.into())) } else { parsed.ok() }
+}

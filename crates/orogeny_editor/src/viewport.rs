@@ -1,0 +1,267 @@
+//! The ground in the window: what mouse and keys do over it.
+
+use egui::{Event, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2};
+use glam::DVec3;
+use orogeny_engine::{BrushOperation, Camera, Cursor, ViewRequest};
+
+use crate::document::Document;
+use crate::tool::Twist;
+
+/// Of the distance to what is looked at, what is flown in a second.
+const FLY_SHARE: f64 = 0.8;
+/// The slowest flight, metres a second.
+const MIN_FLY_M: f64 = 2.0;
+/// Points of the wheel that are a step.
+const WHEEL_STEP: f32 = 50.0;
+/// Degrees of the sun for each point that the pointer moves.
+const SUN_TURN: f32 = 0.4;
+
+/// What a hand is doing over the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+enum Grip {
+    /// Nothing.
+    #[default]
+    None,
+    /// Drawing with the brush.
+    Drawing,
+    /// Looking around, and flying.
+    Looking,
+    /// Dragging the ground that was picked.
+    Dragging(DVec3),
+    /// Going around a place.
+    Orbiting(DVec3),
+    /// Moving the sun.
+    Sunning,
+}
+
+/// The viewport's own state.
+#[derive(Debug, Default)]
+pub struct Viewport {
+    grip: Grip,
+    /// The ground under the pointer, metres.
+    pub hovered: Option<DVec3>,
+    /// The last ground that was met, for where there is none.
+    last: Option<DVec3>,
+    /// When the stroke began, by the clock of the window, seconds.
+    stroke_start_s: f64,
+    /// How large the picture is, in points.
+    pub size: Vec2,
+}
+
+/// What the viewport asks of the editor.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Wish {
+    /// Begin a stroke.
+    Begin(Twist),
+    /// Points of it: place in metres, and seconds since it began.
+    Points(Vec<([f64; 2], f64)>),
+    /// End it.
+    Lift,
+}
+
+/// A pointer's place in the picture, in pixels.
+struct Sight {
+    camera: Camera,
+    rect: Rect,
+    size_px: [u32; 2],
+}
+
+impl Sight {
+    fn direction(&self, at: Pos2) -> DVec3 {
+        let share = (at - self.rect.min) / self.rect.size();
+        let [width, height] = self.size_px.map(f64::from);
+        self.camera.direction_of_pixel([f64::from(share.x) * width, f64::from(share.y) * height])
+    }
+}
+
+impl Viewport {
+    /// Whether a hand is at work, so that the next frame is wanted soon.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.grip != Grip::None
+    }
+
+    /// Gives up what the hand was doing.
+    pub fn let_go(&mut self) {
+        self.grip = Grip::None;
+    }
+
+    /// Takes the room that is left, and what mouse and keys do there. Gives the room, and what is wished.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        document: &mut Document,
+        request: &mut ViewRequest,
+        pixels_per_point: f32,
+    ) -> (Rect, [u32; 2], Vec<Wish>) {
+        let size = ui.available_size().max(Vec2::splat(16.0));
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(
+                egui::Role::Image,
+                true,
+                "The terrain: draw on it with the left mouse button",
+            )
+        });
+        self.size = size;
+        let size_px = [size.x, size.y].map(|side| ((side * pixels_per_point) as u32).clamp(1, 8192));
+        let sight = Sight { camera: document.camera.camera(size_px), rect, size_px };
+        let wishes = self.handle(ui, &response, &sight, document, request);
+        self.fly(ui, &response, document);
+        (rect, size_px, wishes)
+    }
+
+    fn handle(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        sight: &Sight,
+        document: &mut Document,
+        request: &mut ViewRequest,
+    ) -> Vec<Wish> {
+        let mut wishes = Vec::new();
+        let (events, now_s) = ui.input(|input| (input.events.clone(), input.time));
+        let is_over = response.contains_pointer() || self.grip != Grip::None;
+        let mut at = ui.input(|input| input.pointer.latest_pos());
+        let mut points = Vec::new();
+        for event in events {
+            match event {
+                Event::PointerMoved(to) => {
+                    let by = at.map_or(Vec2::ZERO, |at| to - at);
+                    at = Some(to);
+                    self.moved(ui, to, by, sight, document, request);
+                    if self.grip == Grip::Drawing {
+                        points.extend(
+                            self.point(to, sight, document).map(|place| (place, now_s - self.stroke_start_s)),
+                        );
+                    }
+                }
+                Event::PointerButton { pos, button, pressed: true, modifiers }
+                    if is_over && self.grip == Grip::None =>
+                {
+                    let Some(place) = self.meet(pos, sight, document) else { continue };
+                    self.grip = match button {
+                        PointerButton::Primary if modifiers.alt => Grip::Orbiting(place),
+                        PointerButton::Primary if ui.input(|input| input.key_down(Key::L)) => Grip::Sunning,
+                        PointerButton::Primary => {
+                            wishes.push(Wish::Begin(match modifiers {
+                                _ if modifiers.shift => Twist::Smooth,
+                                _ if modifiers.command => Twist::Inverted,
+                                _ => Twist::None,
+                            }));
+                            self.stroke_start_s = now_s;
+                            document.view.hold_still(true);
+                            points.extend(self.point(pos, sight, document).map(|place| (place, 0.0)));
+                            Grip::Drawing
+                        }
+                        PointerButton::Secondary => Grip::Looking,
+                        PointerButton::Middle => Grip::Dragging(place),
+                        PointerButton::Extra1 | PointerButton::Extra2 => Grip::None,
+                    };
+                }
+                Event::PointerButton { button, pressed: false, .. } => {
+                    let is_mine = match self.grip {
+                        Grip::Drawing | Grip::Orbiting(_) | Grip::Sunning => button == PointerButton::Primary,
+                        Grip::Looking => button == PointerButton::Secondary,
+                        Grip::Dragging(_) => button == PointerButton::Middle,
+                        Grip::None => false,
+                    };
+                    if is_mine && self.grip == Grip::Drawing {
+                        wishes
+                            .extend((!points.is_empty()).then(|| Wish::Points(std::mem::take(&mut points))));
+                        wishes.push(Wish::Lift);
+                    }
+                    if is_mine {
+                        self.grip = Grip::None;
+                    }
+                }
+                Event::MouseWheel { delta, unit, .. } if response.contains_pointer() => {
+                    let steps = match unit {
+                        egui::MouseWheelUnit::Point => delta.y / WHEEL_STEP,
+                        egui::MouseWheelUnit::Line | egui::MouseWheelUnit::Page => delta.y,
+                    };
+                    let place = at.and_then(|at| self.meet(at, sight, document));
+                    if let Some(place) = place {
+                        document.camera.dolly(place, f64::from(steps));
+                    }
+                }
+                _ => {}
+            }
+        }
+        wishes.extend((!points.is_empty()).then_some(Wish::Points(points)));
+        self.hovered = at
+            .filter(|_| is_over && self.grip != Grip::Looking)
+            .and_then(|at| document.view.pick(sight.camera.eye_m(), sight.direction(at)));
+        self.last = self.hovered.or(self.last);
+        wishes
+    }
+
+    fn moved(
+        &self,
+        ui: &Ui,
+        to: Pos2,
+        by: Vec2,
+        sight: &Sight,
+        document: &mut Document,
+        request: &mut ViewRequest,
+    ) {
+        match self.grip {
+            Grip::Looking => document.camera.look([by.x, by.y]),
+            Grip::Orbiting(place) => document.camera.orbit(place, [by.x, by.y]),
+            Grip::Dragging(place) => document.camera.drag(place, sight.direction(to)),
+            Grip::Sunning => {
+                let azimuth = request.sun_azimuth_degrees + f64::from(by.x * SUN_TURN);
+                request.sun_azimuth_degrees = azimuth.rem_euclid(360.0);
+                let altitude = request.sun_altitude_degrees - f64::from(by.y * SUN_TURN);
+                request.sun_altitude_degrees = altitude.clamp(-5.0, 90.0);
+            }
+            Grip::None | Grip::Drawing => return,
+        }
+        ui.ctx().request_repaint();
+    }
+
+    /// Where a stroke goes under the pointer: the ground, or the height of the last ground where there is none.
+    fn point(&self, at: Pos2, sight: &Sight, document: &Document) -> Option<[f64; 2]> {
+        self.meet(at, sight, document).map(|place| [place.x, place.z])
+    }
+
+    fn meet(&self, at: Pos2, sight: &Sight, document: &Document) -> Option<DVec3> {
+        let (eye, direction) = (sight.camera.eye_m(), sight.direction(at));
+        document.view.pick(eye, direction).or_else(|| {
+            let [low_m, high_m] = document.view.range_m().map(f64::from);
+            let height_m = self.last.map_or(f64::midpoint(low_m, high_m), |last| last.y);
+            let distance = (height_m - eye.y) / direction.y;
+            // Towards the sky, and further off than one can point, there is nothing.
+            (distance.is_finite() && distance > 0.0 && distance < 1.0e8).then(|| eye + direction * distance)
+        })
+    }
+
+    fn fly(&self, ui: &Ui, response: &Response, document: &mut Document) {
+        if self.grip != Grip::Looking || !(response.contains_pointer() || response.dragged()) {
+            return;
+        }
+        let (held, dt_s, is_fast) = ui.input(|input| {
+            let axis =
+                |plus, minus| f64::from(i8::from(input.key_down(plus)) - i8::from(input.key_down(minus)));
+            let held = [axis(Key::D, Key::A), axis(Key::E, Key::Q), axis(Key::W, Key::S)];
+            (held, f64::from(input.stable_dt.min(0.1)), input.modifiers.shift)
+        });
+        if held == [0.0; 3] {
+            return;
+        }
+        let away = self.last.map_or(100.0, |last| (last - document.camera.eye()).length());
+        let speed = (FLY_SHARE * away).max(MIN_FLY_M) * if is_fast { 4.0 } else { 1.0 } * dt_s;
+        document.camera.fly(held.map(|along| along * speed));
+        ui.ctx().request_repaint();
+    }
+
+    /// The brush's ring, and those of its copies; `stroke` is one of the brush, without points.
+    #[must_use]
+    pub fn cursors(&self, stroke: &BrushOperation, document: &Document) -> Vec<Cursor> {
+        let Some(place) = self.hovered else { return Vec::new() };
+        let brush = stroke.brush();
+        let (radius_m, plateau) = (brush.radius_m, 1.0 - brush.profile().falloff_ratio);
+        let ring = |centre_m| Cursor { centre_m, radius_m: radius_m as f32, hardness: plateau as f32 };
+        stroke.copies_m(&document.status.grid, [place.x, place.z]).into_iter().map(ring).collect()
+    }
+}

@@ -1,0 +1,330 @@
+//! The program's window: input to the editor, the editor's frames to the screen.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::ViewportId;
+use egui_wgpu::{RendererOptions, ScreenDescriptor};
+use orogeny_engine::{Gpu, Presets, Settings, window_gpu};
+use winit::application::ApplicationHandler;
+use winit::dpi::LogicalSize;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::window::{Window, WindowId};
+
+use crate::editor::{Editor, EditorOptions};
+use crate::{Error, Result};
+
+/// How large the window is at first, in points.
+const FIRST_SIZE: LogicalSize<f64> = LogicalSize::new(1440.0, 900.0);
+/// The longest that is waited between two looks at what happened.
+const LONGEST_WAIT: Duration = Duration::from_millis(500);
+
+/// What the program's window is started with.
+pub struct Start {
+    /// How terrains are worked on.
+    pub settings: Settings,
+    /// What there is to paint with beside the brushes.
+    pub presets: Presets,
+    /// Where preferences are kept; `None`: nowhere.
+    pub preferences: Option<PathBuf>,
+    /// Makes the terrain that comes along, where it is not there yet, and tells its file.
+    pub bundled: Box<dyn Fn() -> orogeny_engine::Result<PathBuf>>,
+    /// The terrain to open; `None`: the one that was open last.
+    pub file: Option<PathBuf>,
+}
+
+impl std::fmt::Debug for Start {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Start").field("file", &self.file).finish_non_exhaustive()
+    }
+}
+
+/// Something happened on another thread.
+#[derive(Debug, Clone, Copy)]
+struct Woken;
+
+/// Opens the window, and returns when it was closed.
+///
+/// # Errors
+/// [`Error::Window`] when there is no screen; [`Error::Engine`] when nothing can draw in it.
+pub fn run(start: Start) -> Result<()> {
+    let events = EventLoop::<Woken>::with_user_event().build().map_err(|err| no_window(&err))?;
+    let proxy = events.create_proxy();
+    let mut program = Program { start: Some(start), proxy, shown: None, failure: None };
+    events.run_app(&mut program).map_err(|err| no_window(&err))?;
+    program.failure.map_or(Ok(()), Err)
+}
+
+fn no_window(err: &dyn std::fmt::Display) -> Error {
+    Error::Window { detail: err.to_string() }
+}
+
+struct Program {
+    /// Until there is a window.
+    start: Option<Start>,
+    proxy: EventLoopProxy<Woken>,
+    shown: Option<Shown>,
+    /// What ended it.
+    failure: Option<Error>,
+}
+
+/// A window with what is shown in it.
+struct Shown {
+    window: Arc<Window>,
+    editor: Editor,
+    input: egui_winit::State,
+    screen: Screen,
+    /// When the next frame is wanted, if nothing happens before.
+    next_frame: Option<Instant>,
+}
+
+/// What draws in the window.
+struct Screen {
+    gpu: Gpu,
+    surface: wgpu::Surface<'static>,
+    configuration: wgpu::SurfaceConfiguration,
+    painter: egui_wgpu::Renderer,
+    picture: Option<egui::TextureId>,
+}
+
+impl Screen {
+    fn new(window: &Arc<Window>, settings: &Settings) -> Result<Self> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let surface = instance.create_surface(Arc::clone(window)).map_err(|err| no_window(&err))?;
+        let (gpu, adapter) = window_gpu(settings, &instance, &surface)?;
+        let capabilities = surface.get_capabilities(&adapter);
+        // Colours of the interface are given as the screen shows them.
+        let is_plain = |format: &&wgpu::TextureFormat| {
+            matches!(format, wgpu::TextureFormat::Bgra8Unorm | wgpu::TextureFormat::Rgba8Unorm)
+        };
+        let format = capabilities.formats.iter().find(is_plain).or(capabilities.formats.first());
+        let format = *format.ok_or_else(|| no_window(&"its surface takes no pictures"))?;
+        let size = window.inner_size();
+        let configuration = surface
+            .get_default_config(&adapter, size.width.max(1), size.height.max(1))
+            .ok_or_else(|| no_window(&"the adapter does not draw in it"))?;
+        let configuration = wgpu::SurfaceConfiguration {
+            format,
+            present_mode: wgpu::PresentMode::AutoVsync,
+            ..configuration
+        };
+        surface.configure(gpu.device(), &configuration);
+        let painter = egui_wgpu::Renderer::new(gpu.device(), format, RendererOptions::default());
+        Ok(Self { gpu, surface, configuration, painter, picture: None })
+    }
+
+    fn resize(&mut self, width: u32, height: u32) {
+        if width > 0 && height > 0 {
+            (self.configuration.width, self.configuration.height) = (width, height);
+            self.surface.configure(self.gpu.device(), &self.configuration);
+        }
+    }
+
+    /// Makes the picture of the ground known to egui.
+    fn take_picture(&mut self, editor: &mut Editor) -> bool {
+        let Some(view) = editor.take_picture_view() else { return false };
+        let (device, filter) = (self.gpu.device(), wgpu::FilterMode::Linear);
+        match self.picture {
+            Some(picture) => {
+                self.painter.update_egui_texture_from_wgpu_texture(device, &view, filter, picture);
+                editor.set_picture(picture);
+                false
+            }
+            None => {
+                let picture = self.painter.register_native_texture(device, &view, filter);
+                self.picture = Some(picture);
+                editor.set_picture(picture);
+                true
+            }
+        }
+    }
+
+    /// Shows shapes; textures that they need are taken over first, and those that no shape needs any more are dropped.
+    fn paint(
+        &mut self,
+        mut textures: egui::TexturesDelta,
+        shapes: &[egui::ClippedPrimitive],
+        pixels_per_point: f32,
+    ) {
+        for (id, deltas) in textures.set.drain() {
+            for delta in &deltas {
+                self.painter.update_texture(self.gpu.device(), self.gpu.queue(), id, delta);
+            }
+        }
+        self.present(shapes, pixels_per_point);
+        for id in textures.free.drain() {
+            self.painter.free_texture(&id);
+        }
+    }
+
+    fn present(&mut self, shapes: &[egui::ClippedPrimitive], pixels_per_point: f32) {
+        let frame = match self.surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(frame) | wgpu::CurrentSurfaceTexture::Suboptimal(frame) => {
+                frame
+            }
+            wgpu::CurrentSurfaceTexture::Outdated | wgpu::CurrentSurfaceTexture::Lost => {
+                self.surface.configure(self.gpu.device(), &self.configuration);
+                return;
+            }
+            _ => return,
+        };
+        let view = frame.texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let screen = ScreenDescriptor {
+            size_in_pixels: [self.configuration.width, self.configuration.height],
+            pixels_per_point,
+        };
+        let mut encoder = self
+            .gpu
+            .device()
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("orogeny.window") });
+        let (device, queue) = (self.gpu.device(), self.gpu.queue());
+        let before = self.painter.update_buffers(device, queue, &mut encoder, shapes, &screen);
+        {
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("orogeny.window"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..wgpu::RenderPassDescriptor::default()
+            });
+            self.painter.render(&mut pass.forget_lifetime(), shapes, &screen);
+        }
+        queue.submit(before.into_iter().chain([encoder.finish()]));
+        queue.present(frame);
+    }
+}
+
+impl Shown {
+    fn new(events: &ActiveEventLoop, start: Start, proxy: EventLoopProxy<Woken>) -> Result<Self> {
+        let attributes = Window::default_attributes().with_title("Orogeny").with_inner_size(FIRST_SIZE);
+        let window = Arc::new(events.create_window(attributes).map_err(|err| no_window(&err))?);
+        let screen = Screen::new(&window, &start.settings)?;
+        let ctx = egui::Context::default();
+        let scale = Some(window.scale_factor() as f32);
+        let max_side = Some(screen.gpu.device().limits().max_texture_dimension_2d as usize);
+        let input = egui_winit::State::new(ctx, ViewportId::ROOT, &window, scale, window.theme(), max_side);
+        // An event loop that has ended wakes no one.
+        let wake = Arc::new(move || _ = proxy.send_event(Woken).ok());
+        let Start { settings, presets, preferences, bundled, file } = start;
+        let options = EditorOptions { settings, presets, preferences, bundled, wake };
+        let mut editor = Editor::new(options, screen.gpu.clone());
+        match file {
+            Some(file) => editor.open(&file),
+            None => editor.open_last(),
+        }
+        window.request_redraw();
+        Ok(Self { window, editor, input, screen, next_frame: None })
+    }
+
+    fn draw(&mut self) {
+        let start = Instant::now();
+        self.editor.update();
+        let input = self.input.take_egui_input(&self.window);
+        let ctx = self.input.egui_ctx().clone();
+        let output = ctx.run_ui(input, |ui| self.editor.ui(ui));
+        self.input.handle_platform_output(&self.window, output.platform_output);
+        let is_picture_first = self.screen.take_picture(&mut self.editor);
+        let shapes = ctx.tessellate(output.shapes, output.pixels_per_point);
+        self.screen.paint(output.textures_delta, &shapes, output.pixels_per_point);
+        let is_finer_next = self.editor.note_frame(start.elapsed());
+        let delay = output.viewport_output.get(&ViewportId::ROOT).map(|viewport| viewport.repaint_delay);
+        if is_picture_first || is_finer_next || self.editor.wants_frame() {
+            self.next_frame = Some(Instant::now());
+        } else {
+            self.next_frame = delay.and_then(|delay| Instant::now().checked_add(delay.min(LONGEST_WAIT)));
+        }
+        if let Err(err) = self.screen.gpu.check() {
+            self.mend(&err);
+        }
+    }
+
+    /// After the device was lost: another one, and all that was on it.
+    fn mend(&mut self, err: &dyn std::fmt::Display) {
+        self.editor.tell(err.to_string(), true);
+        match Screen::new(&self.window, self.editor.settings()) {
+            Ok(screen) => {
+                self.editor.set_gpu(screen.gpu.clone());
+                self.screen = screen;
+                // What egui has drawn with was on the old one.
+                let scale = Some(self.window.scale_factor() as f32);
+                self.input = egui_winit::State::new(
+                    egui::Context::default(),
+                    ViewportId::ROOT,
+                    &self.window,
+                    scale,
+                    self.window.theme(),
+                    None,
+                );
+            }
+            Err(err) => self.editor.tell(err.to_string(), true),
+        }
+        self.window.request_redraw();
+    }
+}
+
+impl ApplicationHandler<Woken> for Program {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        let Some(start) = self.start.take() else { return };
+        match Shown::new(events, start, self.proxy.clone()) {
+            Ok(shown) => self.shown = Some(shown),
+            Err(err) => {
+                self.failure = Some(err);
+                events.exit();
+            }
+        }
+    }
+
+    fn user_event(&mut self, _events: &ActiveEventLoop, _woken: Woken) {
+        if let Some(shown) = &self.shown {
+            shown.window.request_redraw();
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
+        let Some(shown) = &mut self.shown else { return };
+        let response = shown.input.on_window_event(&shown.window, &event);
+        if response.repaint {
+            shown.window.request_redraw();
+        }
+        let is_closing = match event {
+            WindowEvent::RedrawRequested => {
+                shown.draw();
+                shown.editor.is_closing()
+            }
+            WindowEvent::Resized(size) => {
+                shown.screen.resize(size.width, size.height);
+                false
+            }
+            WindowEvent::CloseRequested => true,
+            _ => false,
+        };
+        if is_closing {
+            if let Err(err) = shown.editor.close() {
+                self.failure = Some(err);
+            }
+            self.shown = None;
+            events.exit();
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        let Some(shown) = &mut self.shown else { return };
+        match shown.next_frame {
+            Some(at) if at <= Instant::now() => {
+                shown.next_frame = None;
+                shown.window.request_redraw();
+                events.set_control_flow(ControlFlow::Wait);
+            }
+            Some(at) => events.set_control_flow(ControlFlow::WaitUntil(at)),
+            None => events.set_control_flow(ControlFlow::Wait),
+        }
+    }
+}

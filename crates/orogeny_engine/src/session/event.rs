@@ -1,0 +1,85 @@
+//! What a session tells.
+
+use std::sync::mpsc::Sender;
+
+use orogeny_field::SampleRect;
+use orogeny_geomip::{PagePlace, PageSummary};
+
+use super::Status;
+use crate::{Applied, Progress};
+
+/// Names something that was asked for; later ones are higher.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Ticket(pub u64);
+
+/// What happened.
+#[derive(Debug)]
+pub enum Event {
+    /// Something that was asked for is being done.
+    Progress {
+        /// What.
+        ticket: Ticket,
+        /// How far it has come.
+        progress: Progress,
+    },
+    /// Something is done, and on disk.
+    Done {
+        /// What.
+        ticket: Ticket,
+        /// What operations did; empty for what is none.
+        applied: Vec<Applied>,
+    },
+    /// Something was not done, and changed nothing.
+    Failed {
+        /// What.
+        ticket: Ticket,
+        /// Why, and what to do about it.
+        message: String,
+        /// Whether it was given up because that was asked for.
+        is_cancelled: bool,
+    },
+    /// What is seen changed: pages over it are no longer as they were.
+    Changed {
+        /// Where, for each level, in its samples, which may reach beyond the terrain; `None`: everywhere.
+        rects: Option<Vec<SampleRect>>,
+        /// Whether that is for good, and not a stroke on its way.
+        is_settled: bool,
+    },
+    /// Layers, history and more, as they are now. The first event of all.
+    Status(Box<Status>),
+    /// Pages that were asked for.
+    Pages(Vec<PageData>),
+}
+
+/// A page, or a part of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PageData {
+    /// Which.
+    pub place: PagePlace,
+    /// What of it, in samples of its level, within the terrain.
+    pub rect: SampleRect,
+    /// Heights of the composite over the rectangle, row by row.
+    pub heights: Vec<f32>,
+    /// Up to four masks over the whole page, 255 for 1, where any are shown.
+    pub masks: Option<Vec<[u8; 4]>>,
+    /// What is known of the page and of those below it; nothing while a stroke is drawn.
+    pub summaries: Vec<(PagePlace, PageSummary)>,
+}
+
+/// Where events go.
+pub(super) struct Out {
+    sender: Sender<Event>,
+    wake: Box<dyn Fn() + Send>,
+}
+
+impl Out {
+    pub(super) fn new(sender: Sender<Event>, wake: impl Fn() + Send + 'static) -> Self {
+        Self { sender, wake: Box::new(wake) }
+    }
+
+    pub(super) fn tell(&self, event: Event) {
+        // Whoever listened may be gone; the thread ends when no tasks can come.
+        self.sender.send(event).ok();
+        (self.wake)();
+    }
+}

@@ -1,0 +1,105 @@
+//! What a window shows of a terrain beside its ground.
+
+use orogeny_field::{PageLayout, TerrainGrid};
+use orogeny_geomip::{PagePlace, PageSummary};
+use orogeny_store::{EntryId, EntryState, Layer};
+
+use crate::{LayerDescription, MemoryUse, Operation, Result, Terrain};
+
+/// A terrain as it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Status {
+    /// Size and spacing.
+    pub grid: TerrainGrid,
+    /// How planes are cut into pages.
+    pub layout: PageLayout,
+    /// The layers, from the bottom.
+    pub layers: Vec<Layer>,
+    /// The same for people.
+    pub descriptions: Vec<LayerDescription>,
+    /// The history, oldest first.
+    pub history: Vec<HistoryItem>,
+    /// The composite where nothing is painted, metres.
+    pub unpainted_m: f32,
+    /// What is known of all of the terrain.
+    pub root: (PagePlace, PageSummary),
+    /// What it takes in memory.
+    pub memory: MemoryUse,
+    /// Bytes on disk.
+    pub file_size_in_bytes: u64,
+}
+
+/// An entry of the history, for people.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HistoryItem {
+    /// Its number.
+    pub id: EntryId,
+    /// The entry it was done on top of.
+    pub parent: EntryId,
+    /// What was done: `stroke raise`, `add_layer`.
+    pub label: String,
+    /// Who did it.
+    pub author: String,
+    /// When, in milliseconds since 1970.
+    pub time_unix_ms: i64,
+    /// Whether it shows.
+    pub state: EntryState,
+    /// How many pages it changed.
+    pub num_pages: u32,
+}
+
+impl Status {
+    pub(super) fn of(terrain: &Terrain, root: (PagePlace, PageSummary)) -> Result<Self> {
+        let description = terrain.describe()?;
+        let history = terrain.log()?.into_iter().map(|entry| HistoryItem {
+            id: entry.id,
+            parent: entry.parent,
+            label: label(&entry.operation_json),
+            author: entry.author,
+            time_unix_ms: entry.time_unix_ms,
+            state: entry.state,
+            num_pages: entry.num_pages,
+        });
+        Ok(Self {
+            grid: terrain.grid(),
+            layout: terrain.store()?.layout(),
+            layers: terrain.layers()?.to_vec(),
+            descriptions: description.layers,
+            history: history.collect(),
+            unpainted_m: terrain.unpainted_height_m()?,
+            root,
+            memory: description.memory,
+            file_size_in_bytes: description.file_size_in_bytes,
+        })
+    }
+
+    /// The last entry that shows; [`EntryId::CREATION`] where none does.
+    #[must_use]
+    pub fn current_entry(&self) -> EntryId {
+        let applied = self.history.iter().rev().find(|item| item.state == EntryState::Applied);
+        applied.map_or(EntryId::CREATION, |item| item.id)
+    }
+
+    /// Whether there is something to undo, and to redo.
+    #[must_use]
+    pub fn can_undo_redo(&self) -> [bool; 2] {
+        [EntryState::Applied, EntryState::Undone]
+            .map(|state| self.history.iter().any(|item| item.state == state))
+    }
+}
+
+/// What an entry did, as short as can be.
+fn label(operation_json: &str) -> String {
+    match Operation::from_json_text(operation_json) {
+        Ok(operation) => match operation.brush() {
+            Some(brush) => format!("{} {}", operation.name(), brush.brush_type.name()),
+            None => operation.name().to_owned(),
+        },
+        // An import, or one of a later version.
+        Err(_) => {
+            let value: Option<serde_json::Value> = serde_json::from_str(operation_json).ok();
+            let op = value.as_ref().and_then(|value| value.get("op")?.as_str());
+            op.unwrap_or("an operation that cannot be read").to_owned()
+        }
+    }
+}

@@ -1,0 +1,297 @@
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use orogeny_field::{PointerSample, TerrainGrid};
+use orogeny_geomip::PagePlace;
+
+use super::known::Known;
+use crate::session::{Event, PageRequest, Session, Status, Ticket, Travel};
+use crate::{Adapter, BrushOperation, Operation, Quiet, Settings, Terrain};
+
+const WAIT: Duration = Duration::from_secs(120);
+
+fn settings() -> Settings {
+    Settings { adapter: Adapter::Cpu, page_budget_in_bytes: 64 << 20, ..Settings::default() }
+}
+
+fn operation(text: &str) -> Operation {
+    Operation::from_json_text(text).unwrap()
+}
+
+/// A terrain of several pages with relief, and an effect that looks around itself on top.
+fn terrain_at(path: &Path) -> Terrain {
+    let grid = TerrainGrid::new(700, 600, 1.0).unwrap();
+    let mut terrain = Terrain::create(path, grid, 10.0, settings()).unwrap();
+    let operations = [
+        r#"{"op": "fill", "brush": {"type": "noise", "feature_size": 200, "strength": 40}}"#,
+        r#"{"op": "add_layer", "name": "Paths"}"#,
+        r#"{"op": "add_layer", "name": "Soft", "content": {"type": "effect", "brush": {"type": "smooth", "width": 8}}}"#,
+        r#"{"op": "set_layer", "layer": "Soft", "opacity": 0.5}"#,
+    ];
+    terrain.apply(&operations.map(operation), &mut Quiet).unwrap();
+    terrain
+}
+
+fn stroke(brush: &str, layer: &str, points: &[PointerSample]) -> BrushOperation {
+    let points = serde_json::to_string(points).unwrap();
+    let text =
+        format!(r#"{{"op": "stroke", "seed": 7, "layer": "{layer}", "brush": {brush}, "points": {points}}}"#);
+    match operation(&text) {
+        Operation::Brush(operation) => operation,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn zigzag() -> Vec<PointerSample> {
+    let at = |k: u32| {
+        let along = f64::from(k);
+        PointerSample::at(60.0 + 9.0 * along, 250.0 + 180.0 * (along / 7.0).sin())
+            .with_pressure(0.4 + 0.5 * (along / 11.0).cos().abs() as f32)
+    };
+    (0..60).map(at).collect()
+}
+
+/// Someone who looks at all pages of a session.
+struct Onlooker {
+    session: Session,
+    known: Option<Known>,
+    status: Option<Status>,
+    done: Vec<Ticket>,
+    failed: Vec<(Ticket, String, bool)>,
+    num_live_pages: usize,
+    is_awaiting: bool,
+}
+
+impl Onlooker {
+    fn new(terrain: Terrain) -> Self {
+        let session = Session::of(terrain, || {}).unwrap();
+        let mut onlooker = Self {
+            session,
+            known: None,
+            status: None,
+            done: Vec::new(),
+            failed: Vec::new(),
+            num_live_pages: 0,
+            is_awaiting: false,
+        };
+        onlooker.until(|onlooker| onlooker.known.is_some());
+        onlooker.session.look(onlooker.everything());
+        onlooker.is_awaiting = true;
+        onlooker.settle();
+        onlooker
+    }
+
+    fn everything(&self) -> Vec<PageRequest> {
+        let known = self.known.as_ref().unwrap();
+        let (grid, layout) = (known.grid, known.layout);
+        let mut open = vec![PagePlace::root(&grid, layout)];
+        let mut all = Vec::new();
+        while let Some(place) = open.pop() {
+            all.push(PageRequest { place, rect: None });
+            open.extend(place.children(&grid, layout));
+        }
+        assert!(all.len() >= 9, "{}", all.len());
+        all
+    }
+
+    /// Takes what has happened, and asks for what is stale.
+    fn look(&mut self) {
+        for event in self.session.events() {
+            match &event {
+                Event::Status(status) => {
+                    match &mut self.known {
+                        Some(known) => known.take_status(status),
+                        none => *none = Some(Known::new(status)),
+                    }
+                    self.status = Some((**status).clone());
+                }
+                Event::Changed { rects, is_settled } => {
+                    self.known.as_mut().unwrap().note_changed(rects.as_deref(), *is_settled);
+                }
+                Event::Pages(pages) => {
+                    self.is_awaiting = false;
+                    for page in pages {
+                        self.num_live_pages += usize::from(page.summaries.is_empty());
+                        self.known.as_mut().unwrap().take(page);
+                    }
+                }
+                Event::Done { ticket, .. } => self.done.push(*ticket),
+                Event::Failed { ticket, message, is_cancelled } => {
+                    self.failed.push((*ticket, message.clone(), *is_cancelled));
+                }
+                Event::Progress { .. } => {}
+            }
+        }
+        if let Some(known) = self.known.as_mut().filter(|_| !self.is_awaiting) {
+            let stale = known.take_stale(|_| true).into_iter();
+            let requests: Vec<_> =
+                stale.map(|(place, rect)| PageRequest { place, rect: Some(rect) }).collect();
+            if !requests.is_empty() {
+                self.is_awaiting = true;
+                self.session.look(requests);
+            }
+        }
+    }
+
+    fn until(&mut self, is_so: impl Fn(&Self) -> bool) {
+        let start = Instant::now();
+        while !is_so(self) {
+            assert!(start.elapsed() < WAIT, "nothing happens");
+            self.look();
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn settle(&mut self) {
+        self.until(|onlooker| !onlooker.is_awaiting && !onlooker.known.as_ref().unwrap().has_stale(|_| true));
+    }
+
+    fn until_ended(&mut self, ticket: Ticket) {
+        self.until(|onlooker| {
+            onlooker.done.contains(&ticket) || onlooker.failed.iter().any(|(failed, ..)| *failed == ticket)
+        });
+        self.settle();
+    }
+
+    /// What was seen page by page is what there is.
+    fn check(&mut self, what: &str) {
+        self.settle();
+        let mut fresh = Known::new(self.status.as_ref().unwrap());
+        self.session.look(self.everything());
+        let start = Instant::now();
+        'waiting: loop {
+            assert!(start.elapsed() < WAIT, "{what}: nothing comes");
+            for event in self.session.events() {
+                if let Event::Pages(pages) = event {
+                    pages.iter().for_each(|page| _ = fresh.take(page));
+                    break 'waiting;
+                }
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let seen = self.known.as_ref().unwrap();
+        for PageRequest { place, .. } in self.everything() {
+            let bits = |known: &Known| -> Vec<u32> {
+                known.page(place).unwrap().samples().iter().map(|height| height.to_bits()).collect()
+            };
+            assert!(bits(seen) == bits(&fresh), "{what}: {place:?} is not as it was seen");
+        }
+    }
+}
+
+const BRUSHES: [(&str, &str); 6] = [
+    (r#"{"type": "raise", "radius": 60, "strength": 12}"#, "Base"),
+    (r#"{"type": "raise", "radius": 40, "strength": 9, "profile": "sphere"}"#, "Paths"),
+    (r#"{"type": "level", "radius": 50, "strength": 0.7}"#, "Paths"),
+    (r#"{"type": "smooth", "radius": 60, "strength": 0.8}"#, "Base"),
+    (r#"{"type": "roughen", "radius": 45, "strength": 0.5}"#, "Base"),
+    (r#"{"type": "grab", "radius": 80, "strength": 1}"#, "Base"),
+];
+
+#[test]
+fn a_stroke_that_is_watched_is_the_one_that_is_applied_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    for (index, (brush, layer)) in BRUSHES.into_iter().enumerate() {
+        let points = zigzag();
+        let mut applied = terrain_at(&folder.path().join(format!("applied-{index}.orogeny")));
+        applied.apply(&[Operation::Brush(stroke(brush, layer, &points))], &mut Quiet).unwrap();
+        let watched = terrain_at(&folder.path().join(format!("watched-{index}.orogeny")));
+        let mut onlooker = Onlooker::new(watched);
+        let num_before = onlooker.num_live_pages;
+        let ticket = onlooker.session.begin_stroke(stroke(brush, layer, &[]));
+        // In groups of 1, 2, 3 ... as frames of different lengths would give them.
+        let mut rest = points.as_slice();
+        let mut size = 1 + index;
+        while !rest.is_empty() {
+            let (now, later) = rest.split_at(size.min(rest.len()));
+            onlooker.session.push_points(now.to_vec());
+            (rest, size) = (later, size % 5 + 1);
+            onlooker.settle();
+            // What the hand has drawn by now is seen before it goes on; what moves ground as a whole, only when it is lifted.
+            if rest.len() < points.len() / 2 && !brush.contains("grab") {
+                onlooker.until(|onlooker| onlooker.num_live_pages > num_before);
+            }
+        }
+        onlooker.session.lift();
+        onlooker.until_ended(ticket);
+        assert!(onlooker.failed.is_empty(), "{brush}: {:?}", onlooker.failed);
+        onlooker.check(brush);
+        let status = onlooker.status.clone().unwrap();
+        assert_eq!(status.history.len(), applied.log().unwrap().len());
+        let Onlooker { session, .. } = onlooker;
+        session.close().unwrap();
+        let path = folder.path().join(format!("watched-{index}.orogeny"));
+        let watched = Terrain::open_to_read(&path, settings()).unwrap();
+        let recorded = |terrain: &Terrain| terrain.log().unwrap().last().unwrap().operation_json.clone();
+        assert_eq!(recorded(&watched), recorded(&applied), "{brush}");
+        let bounds = applied.grid().bounds();
+        let read = |terrain: &Terrain| {
+            let mut heights = vec![f32::NAN; bounds.area() as usize];
+            terrain
+                .composite(crate::composite::Source::Composite, 0, bounds)
+                .unwrap()
+                .read_rows(&mut heights)
+                .unwrap();
+            heights.into_iter().map(f32::to_bits).collect::<Vec<_>>()
+        };
+        assert!(read(&watched) == read(&applied), "{brush}: other heights than at once");
+    }
+}
+
+#[test]
+fn a_stroke_that_is_given_up_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut onlooker = Onlooker::new(terrain_at(&folder.path().join("t.orogeny")));
+    let before = onlooker.status.clone().unwrap();
+    for (brush, layer) in
+        [BRUSHES[0], BRUSHES[1], (r#"{"type": "clone", "radius": 40, "source": {"at": [100, 100]}}"#, "Base")]
+    {
+        let ticket = onlooker.session.begin_stroke(stroke(brush, layer, &[]));
+        onlooker.session.push_points(zigzag());
+        onlooker.settle();
+        onlooker.session.cancel_all();
+        onlooker.until_ended(ticket);
+        // Points of it that were on their way are of no other stroke.
+        onlooker.session.push_points(zigzag());
+        onlooker.session.lift();
+        onlooker.check(brush);
+        let (_, _, is_cancelled) = onlooker.failed.pop().unwrap();
+        assert!(is_cancelled && onlooker.done.is_empty());
+        assert_eq!(onlooker.status.as_ref().unwrap().history, before.history);
+    }
+}
+
+#[test]
+fn what_is_undone_redone_and_done_to_layers_is_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut onlooker = Onlooker::new(terrain_at(&folder.path().join("t.orogeny")));
+    for (brush, layer) in BRUSHES {
+        let ticket = onlooker.session.begin_stroke(stroke(brush, layer, &[]));
+        onlooker.session.push_points(zigzag());
+        onlooker.session.lift();
+        onlooker.until_ended(ticket);
+    }
+    let last = onlooker.status.as_ref().unwrap().current_entry();
+    for (what, travel) in [
+        ("one back", Travel::Undo(1)),
+        ("three back", Travel::Undo(3)),
+        ("two forth", Travel::Redo(2)),
+        ("before the layers", Travel::Undo(6)),
+        ("to the last", Travel::Jump(last)),
+    ] {
+        let ticket = onlooker.session.travel(travel);
+        onlooker.until_ended(ticket);
+        onlooker.check(what);
+    }
+    let hide = r#"{"op": "set_layer", "layer": "Soft", "visible": false}"#;
+    let ticket = onlooker.session.apply(vec![operation(hide)]);
+    onlooker.until_ended(ticket);
+    onlooker.check("hidden");
+    assert!(onlooker.failed.is_empty(), "{:?}", onlooker.failed);
+    let ticket = onlooker
+        .session
+        .apply(vec![operation(r#"{"op": "set_layer", "layer": "None such", "visible": false}"#)]);
+    onlooker.until_ended(ticket);
+    let (_, message, is_cancelled) = onlooker.failed.pop().unwrap();
+    assert!(message.contains("None such") && !is_cancelled, "{message}");
+}
