@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::{TextureId, Ui};
-use orogeny_engine::session::{Event, Session, Travel};
+use orogeny_engine::session::{Event, HistoryItem, Session, Travel};
 use orogeny_engine::{
-    BrushType, Cursor, Gpu, Mode, Operation, PointerSample, Presets, Settings, TerrainGrid, ViewRequest,
+    BrushType, Cursor, Gpu, Layer, Mode, Operation, PointerSample, Presets, Settings, TerrainGrid,
+    ViewRequest,
 };
 use serde_json::{Value, json};
 
 use crate::Result;
+use crate::camera::CameraControl;
 use crate::command::Command;
 use crate::document::{Document, Message};
 use crate::keymap::Keymap;
@@ -227,6 +229,53 @@ impl Editor {
     #[must_use]
     pub fn last_message(&self) -> Option<&str> {
         self.messages.last().map(|message| message.text.as_str())
+    }
+
+    /// Everything that went wrong and was told, oldest first.
+    pub fn errors(&self) -> impl Iterator<Item = &str> {
+        self.messages.iter().filter(|message| message.is_error).map(|message| message.text.as_str())
+    }
+
+    /// The history of what is open, oldest first.
+    #[must_use]
+    pub fn history(&self) -> &[HistoryItem] {
+        self.document.as_ref().map_or(&[], |document| &document.status.history)
+    }
+
+    /// The layers of what is open, from the bottom.
+    #[must_use]
+    pub fn layers(&self) -> &[Layer] {
+        self.document.as_ref().map_or(&[], |document| &document.status.layers)
+    }
+
+    /// Where the eye is.
+    #[must_use]
+    pub fn camera(&self) -> Option<CameraControl> {
+        self.document.as_ref().map(|document| document.camera)
+    }
+
+    /// How the ground is shown.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.request.mode
+    }
+
+    /// The brush in the hand.
+    #[must_use]
+    pub const fn brush_type(&self) -> BrushType {
+        self.tool.brush_type
+    }
+
+    /// The radius of the brush in the hand, metres.
+    #[must_use]
+    pub fn brush_radius_m(&self) -> f64 {
+        self.tool.radius_m()
+    }
+
+    /// How strong it is, 0..1.
+    #[must_use]
+    pub fn brush_share(&self) -> f64 {
+        self.tool.share()
     }
 
     /// Whether the window is to close.
@@ -506,7 +555,7 @@ impl Editor {
         let high_m = f64::from(document.view.range_m()[1]);
         let up_m = (document.camera.eye() - middle).length();
         let above = glam::DVec3::new(middle.x, high_m.max(0.0) + up_m, middle.z);
-        document.camera = crate::CameraControl { eye_m: above.to_array(), heading: 0.0, pitch: -1.553 };
+        document.camera = CameraControl { eye_m: above.to_array(), heading: 0.0, pitch: -1.553 };
     }
 
     fn change_layer(&mut self, command: Command) {

@@ -34,9 +34,11 @@ const GROUPS: [(&str, &[BrushType]); 7] = [
 
 pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
     ui.heading("Brushes");
-    let search =
-        TextEdit::singleline(&mut editor.panels.brush_search).hint_text("Search brushes and presets");
-    ui.add(search.desired_width(f32::INFINITY));
+    ui.horizontal(|ui| {
+        let label = ui.label("Search");
+        let search = TextEdit::singleline(&mut editor.panels.brush_search).hint_text("Brushes and presets");
+        ui.add(search.desired_width(f32::INFINITY)).labelled_by(label.id);
+    });
     let search = editor.panels.brush_search.to_lowercase();
     let is_found = |text: &str| search.is_empty() || text.to_lowercase().contains(&search);
     for (group, brushes) in GROUPS {

@@ -178,7 +178,7 @@ pub(super) fn show(editor: &mut Editor, ctx: &Context, mut dialog: FileDialog) -
     let range_m = editor.document.as_ref().map_or([0.0, 1.0], |document| document.view.range_m());
     let mut is_done = false;
     let shown = super::window(ctx, dialog.title(), |ui| {
-        let label = ui.label("File");
+        let label = ui.label("Path");
         let field = TextEdit::singleline(&mut dialog.path).desired_width(f32::INFINITY);
         let field = ui.add(field).labelled_by(label.id);
         is_done = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));

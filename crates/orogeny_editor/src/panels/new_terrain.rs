@@ -37,7 +37,7 @@ pub(super) fn show(editor: &mut Editor, ctx: &Context, mut new: NewTerrain) -> O
     let mut is_made = false;
     let shown = super::window(ctx, "New terrain", |ui| {
         egui::Grid::new("new terrain").num_columns(2).show(ui, |ui| {
-            let label = ui.label("File");
+            let label = ui.label("Path");
             ui.add(TextEdit::singleline(&mut new.path).desired_width(300.0)).labelled_by(label.id);
             ui.end_row();
             let label = ui.label("Samples");

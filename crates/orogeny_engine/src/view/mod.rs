@@ -107,7 +107,10 @@ impl Terrain {
 }
 
 /// What draws: the adapter that was asked for; where that calculates on the CPU, the best there is.
-fn drawing_gpu(settings: &Settings) -> Result<Gpu> {
+///
+/// # Errors
+/// [`Error::NothingDraws`], [`Error::Gpu`].
+pub fn drawing_gpu(settings: &Settings) -> Result<Gpu> {
     // A GPU that is there and cannot be opened is an error, not a picture that takes a hundred times as long.
     let best = || match Gpu::open(&AdapterChoice::RealGpu) {
         Err(orogeny_gpu::Error::NoAdapter { .. }) => Gpu::open(&AdapterChoice::Software),

@@ -144,10 +144,7 @@ impl LiveView {
 
     /// Has textures made for the material set that is asked for, and takes them when they are there.
     fn look_for_surfaces(&mut self, request: &ViewRequest) -> Result<()> {
-        if request.mode != Mode::Textured {
-            return Ok(());
-        }
-        if self.materials.as_ref() != Some(&request.materials) {
+        if request.mode == Mode::Textured && self.materials.as_ref() != Some(&request.materials) {
             self.materials = Some(request.materials.clone());
             self.has_surfaces = false;
             let (sender, receiver) = channel();

@@ -1,0 +1,71 @@
+//! Commands: each of them, with and without a terrain.
+
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use orogeny_editor::Command;
+
+use crate::support::{Window, curve};
+
+#[test]
+fn every_command_can_be_given_at_any_time() {
+    let mut empty = Window::empty();
+    let mut window = Window::open();
+    for command in Command::all().filter(|command| *command != Command::Quit) {
+        for window in [&mut empty, &mut window] {
+            let ctx = window.harness.ctx.clone();
+            window.editor().run(command, &ctx);
+            window.frames(1);
+            window.settle();
+            // Whatever it opened is closed again.
+            window.editor().run(Command::Cancel, &ctx);
+        }
+    }
+    let said: Vec<_> = window.editor().errors().collect();
+    assert!(said.is_empty(), "{said:?}");
+    let ctx = window.harness.ctx.clone();
+    window.editor().run(Command::Quit, &ctx);
+    assert!(window.editor().is_closing());
+}
+
+#[test]
+fn the_palette_finds_a_command_by_parts_of_its_name() {
+    let mut window = Window::open();
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    window.frames(3);
+    window.harness.get_by_label("Find a command");
+    window.harness.event(egui::Event::Text("height ban".to_owned()));
+    window.frames(2);
+    window.harness.key_press(Key::Enter);
+    window.frames(3);
+    assert_eq!(window.editor().mode().name(), "height-bands");
+    assert!(window.harness.query_by_label("Find a command").is_none());
+}
+
+#[test]
+fn layers_are_added_drawn_on_hidden_and_removed() {
+    let mut window = Window::open();
+    let path = window.path("t.orogeny");
+    let before = Window::heights(&path);
+    let ctx = window.harness.ctx.clone();
+    window.editor().run(Command::AddLayer, &ctx);
+    window.settle();
+    assert_eq!(window.layers(), ["Base", "Layer 1"]);
+    window.draw(&curve(6), Modifiers::NONE);
+    let drawn = Window::heights(&path);
+    assert!(drawn != before);
+    window.editor().run(Command::ToggleLayer, &ctx);
+    window.settle();
+    assert!(Window::heights(&path) == before, "hidden");
+    window.editor().run(Command::ToggleLayer, &ctx);
+    window.settle();
+    assert!(Window::heights(&path) == drawn, "shown again");
+    window.editor().run(Command::DuplicateLayer, &ctx);
+    window.settle();
+    window.editor().run(Command::LowerLayer, &ctx);
+    window.settle();
+    assert_eq!(window.layers(), ["Base", "Layer 1 copy", "Layer 1"]);
+    window.editor().run(Command::RemoveLayer, &ctx);
+    window.settle();
+    assert_eq!(window.layers(), ["Base", "Layer 1"]);
+    assert!(Window::heights(&path) == drawn);
+}

@@ -1,0 +1,100 @@
+//! Dialogs: making, opening, writing, preferences, first steps.
+
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use orogeny_editor::{Command, Preferences};
+
+use crate::support::{Window, curve};
+
+#[test]
+fn a_terrain_is_made_and_opened() {
+    let mut window = Window::empty();
+    let path = window.path("new.orogeny");
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::N);
+    window.frames(3);
+    window.type_into("Path", &path.display().to_string());
+    window.click("Make");
+    window.settle();
+    assert_eq!(window.editor().open_file(), Some(path.as_path()));
+    assert_eq!(window.layers(), ["Base"]);
+    // A second one of that name is refused, and what is open stays.
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::N);
+    window.frames(3);
+    window.type_into("Path", &path.display().to_string());
+    window.click("Make");
+    window.settle();
+    assert!(window.editor().errors().last().unwrap().contains("new.orogeny"));
+    assert_eq!(window.editor().open_file(), Some(path.as_path()));
+}
+
+#[test]
+fn heights_are_written_and_read() {
+    let mut window = Window::open();
+    let (terrain, file) = (window.path("t.orogeny"), window.path("out.tif"));
+    window.draw(&curve(6), Modifiers::NONE);
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.frames(3);
+    window.harness.get_by_label_contains("% of 16 bits used");
+    window.type_into("Path", &file.display().to_string());
+    window.click("Export");
+    window.settle();
+    let bytes = std::fs::read(&file).unwrap();
+    assert!(bytes.starts_with(b"II") || bytes.starts_with(b"MM"), "no TIFF");
+    let before = Window::heights(&terrain);
+    // Taken back, and read again from the file: the same heights.
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.settle();
+    assert!(Window::heights(&terrain) != before);
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::I);
+    window.frames(3);
+    window.type_into("Path", &file.display().to_string());
+    window.click("Import");
+    window.settle();
+    let said: Vec<_> = window.editor().errors().collect();
+    assert!(said.is_empty(), "{said:?}");
+    assert!(Window::heights(&terrain) == before);
+}
+
+#[test]
+fn the_first_steps_are_shown_once() {
+    let mut window = Window::in_folder(tempfile::tempdir().unwrap());
+    window.frames(2);
+    for (_, button) in (0..5).zip(["Next", "Next", "Next", "Next", "Done"]) {
+        window.click(button);
+    }
+    assert!(window.harness.query_by_label("Done").is_none());
+    let folder = window.close();
+    let window = Window::in_folder(folder);
+    assert!(window.harness.query_by_label("Next").is_none());
+}
+
+#[test]
+fn the_next_start_is_where_one_was() {
+    let mut window = Window::open();
+    let ctx = window.harness.ctx.clone();
+    window.editor().run(Command::Brush(orogeny_engine::BrushType::Smooth), &ctx);
+    window.editor().run(Command::Larger, &ctx);
+    window.editor().run(Command::LookDown, &ctx);
+    window.editor().run(Command::ToggleTheme, &ctx);
+    window.frames(2);
+    let (eye, radius_m) = (window.editor().camera().unwrap().eye_m, window.editor().brush_radius_m());
+    let folder = window.close();
+    let preferences = Preferences::read(&folder.path().join("editor.json")).unwrap();
+    assert!(preferences.is_light && preferences.brush == "smooth");
+    let mut window = Window::in_folder(folder);
+    window.editor().open_last();
+    window.settle();
+    assert_eq!(window.editor().open_file().unwrap().file_name().unwrap(), "t.orogeny");
+    assert_eq!(window.editor().camera().unwrap().eye_m, eye);
+    assert_eq!(window.editor().brush_radius_m(), radius_m);
+}
+
+#[test]
+fn with_nothing_known_the_terrain_that_comes_along_is_opened() {
+    let mut window = Window::empty();
+    window.editor().open_last();
+    window.settle();
+    assert_eq!(window.editor().open_file().unwrap().file_name().unwrap(), "bundled.orogeny");
+    let node = window.harness.get_by_label_contains("The terrain: draw");
+    assert!(node.rect().width() > 300.0 && !node.accesskit_node().is_disabled());
+}

@@ -1,0 +1,14 @@
+//! The editor as a person drives it: by mouse, keys and what is written on buttons.
+
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that meets what it does not expect is to fail there"
+)]
+
+mod brushing;
+mod commands;
+mod dialogs;
+mod panels;
+mod support;

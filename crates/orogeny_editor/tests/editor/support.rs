@@ -1,0 +1,178 @@
+//! An editor in a window that no one sees.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use orogeny_editor::{Editor, EditorOptions, Preferences};
+use orogeny_engine::{
+    Adapter, ExportSource, Operation, Presets, Quiet, Settings, Terrain, TerrainGrid, drawing_gpu,
+};
+
+const WAIT: Duration = Duration::from_secs(120);
+
+/// The middle of the ground in the window.
+pub const MIDDLE: Pos2 = pos2(500.0, 420.0);
+
+pub struct Window {
+    pub harness: Harness<'static, Editor>,
+    pub folder: tempfile::TempDir,
+}
+
+fn settings() -> Settings {
+    Settings { adapter: Adapter::Cpu, page_budget_in_bytes: 64 << 20, ..Settings::default() }
+}
+
+/// A terrain of several pages with some hills.
+pub fn make_terrain(path: &Path) {
+    let grid = TerrainGrid::new(600, 600, 1.0).unwrap();
+    let mut terrain = Terrain::create(path, grid, 10.0, settings()).unwrap();
+    let fill = r#"{"op": "fill", "brush": {"type": "noise", "feature_size": 300, "strength": 25}}"#;
+    terrain.apply(&[Operation::from_json_text(fill).unwrap()], &mut Quiet).unwrap();
+    terrain.close().unwrap();
+}
+
+impl Window {
+    /// With a terrain open.
+    pub fn open() -> Self {
+        let mut window = Self::empty();
+        let path = window.path("t.orogeny");
+        make_terrain(&path);
+        window.editor().open(&path);
+        window.settle();
+        assert_eq!(window.editor().open_file(), Some(path.as_path()));
+        window
+    }
+
+    /// With nothing open, and preferences that have seen the first steps.
+    pub fn empty() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let preferences = Preferences { has_seen_tutorial: true, ..Preferences::default() };
+        preferences.write(&folder.path().join("editor.json")).unwrap();
+        Self::in_folder(folder)
+    }
+
+    /// With what a folder remembers.
+    pub fn in_folder(folder: tempfile::TempDir) -> Self {
+        let bundled = folder.path().join("bundled.orogeny");
+        let options = EditorOptions {
+            settings: settings(),
+            presets: Presets::open(Some(folder.path().join("presets"))),
+            preferences: Some(folder.path().join("editor.json")),
+            bundled: Box::new(move || {
+                make_terrain(&bundled);
+                Ok(bundled.clone())
+            }),
+            wake: Arc::new(|| {}),
+        };
+        let gpu = drawing_gpu(&Settings { adapter: Adapter::Software, ..settings() }).unwrap();
+        let editor = Editor::new(options, gpu);
+        let harness = Harness::builder().with_size([1000.0, 760.0]).with_max_steps(64).build_ui_state(
+            |ui, editor: &mut Editor| {
+                let start = Instant::now();
+                editor.update();
+                editor.ui(ui);
+                // A software driver draws as coarsely as it may.
+                editor.note_frame(start.elapsed() + Duration::from_secs(1));
+            },
+            editor,
+        );
+        let mut window = Self { harness, folder };
+        window.frames(6);
+        window
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn editor(&mut self) -> &mut Editor {
+        self.harness.state_mut()
+    }
+
+    pub fn frames(&mut self, num: usize) {
+        self.harness.run_steps(num);
+    }
+
+    /// Until nothing is under way.
+    pub fn settle(&mut self) {
+        let start = Instant::now();
+        self.frames(2);
+        while !self.harness.state().is_settled() {
+            assert!(start.elapsed() < WAIT, "it never settles: {:?}", self.harness.state().last_message());
+            std::thread::sleep(Duration::from_millis(2));
+            self.harness.step();
+        }
+        self.frames(2);
+    }
+
+    /// Presses or lifts the left button somewhere.
+    pub fn button(&mut self, pos: Pos2, pressed: bool, modifiers: Modifiers) {
+        self.harness.event(Event::PointerMoved(pos));
+        self.harness.event(Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers });
+        self.harness.step();
+    }
+
+    /// Draws along points of the window with the left button.
+    pub fn draw(&mut self, points: &[Pos2], modifiers: Modifiers) {
+        self.button(points[0], true, modifiers);
+        for point in points {
+            self.harness.event(Event::PointerMoved(*point));
+            self.harness.step();
+        }
+        self.button(points[points.len() - 1], false, modifiers);
+        self.settle();
+    }
+
+    /// Replaces what a text field says.
+    pub fn type_into(&mut self, label: &str, text: &str) {
+        self.harness.get_by_label(label).focus();
+        self.frames(2);
+        self.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        self.frames(1);
+        self.harness.event(Event::Text(text.to_owned()));
+        self.frames(2);
+    }
+
+    pub fn click(&mut self, label: &str) {
+        self.harness.get_by_label(label).click();
+        self.frames(3);
+    }
+
+    /// What the history's entries are called, oldest first.
+    pub fn history(&mut self) -> Vec<String> {
+        self.harness.state().history().iter().map(|item| item.label.clone()).collect()
+    }
+
+    pub fn layers(&mut self) -> Vec<String> {
+        self.harness.state().layers().iter().map(|layer| layer.name.clone()).collect()
+    }
+
+    /// All heights of a terrain that is closed or open, as bits.
+    pub fn heights(path: &Path) -> Vec<u32> {
+        let terrain = Terrain::open_to_read(path, settings()).unwrap();
+        let (_, _, heights) = terrain.heights(&ExportSource::Composite, None, 0).unwrap();
+        heights.into_iter().map(f32::to_bits).collect()
+    }
+
+    /// Closes the terrain, and gives the folder.
+    pub fn close(mut self) -> tempfile::TempDir {
+        self.editor().close().unwrap();
+        let Self { harness, folder } = self;
+        drop(harness);
+        folder
+    }
+}
+
+/// A curve over the ground.
+pub fn curve(num: u32) -> Vec<Pos2> {
+    (0..num)
+        .map(|k| {
+            let along = k as f32 / num as f32;
+            pos2(MIDDLE.x - 90.0 + 180.0 * along, MIDDLE.y + 40.0 * (7.0 * along).sin())
+        })
+        .collect()
+}
