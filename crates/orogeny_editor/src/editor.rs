@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use egui::{TextureId, Ui};
 use orogeny_engine::session::{Event, HistoryItem, Session, Travel};
@@ -9,11 +10,10 @@ use orogeny_engine::{
     BrushType, Cursor, Gpu, Layer, Mode, Operation, PointerSample, Presets, Settings, TerrainGrid,
     ViewRequest,
 };
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::Result;
 use crate::camera::CameraControl;
-use crate::command::Command;
 use crate::document::{Document, Message};
 use crate::keymap::Keymap;
 use crate::panels::{Dialog, Panels};
@@ -24,6 +24,8 @@ use crate::viewport::{Viewport, Wish};
 
 /// Messages that are kept at most.
 const MAX_MESSAGES: usize = 200;
+/// How often it is noted where one is.
+const REMEMBER_EVERY: Duration = Duration::from_secs(3);
 
 /// What an editor is started with.
 pub struct EditorOptions {
@@ -57,6 +59,8 @@ struct Opening {
 pub struct Editor {
     pub(crate) options: EditorOptions,
     pub(crate) preferences: Preferences,
+    /// As they are in their file.
+    written: Preferences,
     pub(crate) keymap: Keymap,
     gpu: Gpu,
     opening: Option<Opening>,
@@ -67,7 +71,9 @@ pub struct Editor {
     quality: Quality,
     pub(crate) panels: Panels,
     pub(crate) messages: Vec<Message>,
-    is_closing: bool,
+    pub(crate) is_closing: bool,
+    /// When preferences were last looked at.
+    remembered: Instant,
     /// The picture of the viewport as egui knows it.
     picture: Option<TextureId>,
     /// Whether what is drawn went into a new texture.
@@ -95,6 +101,7 @@ impl Editor {
             tool: Tool::new(&preferences.brush, preferences.brushes.clone()),
             keymap: preferences.keymap(),
             options: EditorOptions { preferences: preferences_file, ..options },
+            written: preferences.clone(),
             preferences,
             gpu,
             opening: None,
@@ -105,6 +112,7 @@ impl Editor {
             panels,
             messages: wrong.into_iter().collect(),
             is_closing: false,
+            remembered: Instant::now(),
             picture: None,
             is_picture_new: true,
         }
@@ -161,6 +169,9 @@ impl Editor {
     /// Takes what happened since the last frame.
     pub fn update(&mut self) {
         self.finish_opening();
+        if self.remembered.elapsed() >= REMEMBER_EVERY && !self.viewport.is_busy() {
+            self.remember();
+        }
         let Some(document) = &mut self.document else { return };
         match document.take_events() {
             Ok(messages) => {
@@ -199,8 +210,9 @@ impl Editor {
         }
     }
 
-    /// Writes preferences, with where the eye is.
+    /// Writes preferences where they have changed, with where the eye is: should the program end at once, the next start is there.
     pub fn remember(&mut self) {
+        self.remembered = Instant::now();
         if let Some(document) = &self.document {
             self.preferences.cameras.insert(document.path.clone(), document.camera);
         }
@@ -208,6 +220,10 @@ impl Editor {
         self.preferences.brushes.clone_from(&self.tool.objects);
         self.preferences.mode = self.request.mode.name().to_owned();
         let Some(path) = self.options.preferences.clone() else { return };
+        if self.preferences == self.written {
+            return;
+        }
+        self.written = self.preferences.clone();
         if let Err(err) = self.preferences.write(&path) {
             self.tell(err.to_string(), true);
         }
@@ -306,7 +322,7 @@ impl Editor {
 
     /// How long the last frame took, so that the next ones are drawn as finely as there is time for.
     /// Tells whether another one would show more.
-    pub fn note_frame(&mut self, elapsed: std::time::Duration) -> bool {
+    pub fn note_frame(&mut self, elapsed: Duration) -> bool {
         self.quality.note_frame(elapsed) && self.document.is_some()
     }
 
@@ -466,126 +482,6 @@ impl Editor {
         let Some(document) = &mut self.document else { return };
         let ticket = document.session.travel(travel);
         document.note(ticket, what);
-    }
-
-    /// Does what a command says.
-    pub fn run(&mut self, command: Command, ctx: &egui::Context) {
-        match command {
-            Command::New => self.panels.dialog = Some(Dialog::new_terrain(self)),
-            Command::Open => self.panels.dialog = Some(Dialog::open(self)),
-            Command::Import => self.panels.dialog = Some(Dialog::import(self)),
-            Command::Export => self.panels.dialog = Some(Dialog::export(self)),
-            Command::Quit => self.is_closing = true,
-            Command::Undo => self.travel("undo", Travel::Undo(1)),
-            Command::Redo => self.travel("redo", Travel::Redo(1)),
-            Command::Cancel => self.cancel(),
-            Command::FrameAll => {
-                let size = self.viewport.size;
-                if let Some(document) = &mut self.document {
-                    document.frame_all([size.x, size.y]);
-                }
-            }
-            Command::LookDown => self.look_down(),
-            Command::Larger => self.tool.resize(1),
-            Command::Smaller => self.tool.resize(-1),
-            Command::Stronger => self.tool.strengthen(1),
-            Command::Weaker => self.tool.strengthen(-1),
-            Command::CopyFromHere => match self.viewport.hovered {
-                Some(place) => self.tool.copy_from([place.x, place.z]),
-                None => self.tell("hold the pointer over the ground that is to be copied", false),
-            },
-            Command::TakeHeight => match self.viewport.hovered {
-                Some(place) => {
-                    self.tool.brush_type = BrushType::SetHeight;
-                    self.tool.set("height", Some(place.y.into()));
-                }
-                None => self.tell("hold the pointer over the ground whose height is to be taken", false),
-            },
-            Command::Brush(brush_type) => self.tool.brush_type = brush_type,
-            Command::Mode(mode) => self.request.mode = mode,
-            Command::AddLayer
-            | Command::DuplicateLayer
-            | Command::RemoveLayer
-            | Command::RaiseLayer
-            | Command::LowerLayer
-            | Command::ToggleLayer => self.change_layer(command),
-            Command::SelectAll => self.apply("select", vec![json!({"op": "select", "shape": {"all": true}})]),
-            Command::SelectNothing => {
-                self.apply("select", vec![json!({"op": "select", "shape": {"nothing": true}})])
-            }
-            Command::InvertSelection => {
-                self.apply("select", vec![json!({"op": "select", "shape": {"keep": true}, "invert": true})]);
-            }
-            Command::CommandPalette => self.panels.dialog = Some(Dialog::Commands { search: String::new() }),
-            Command::ToggleTheme => {
-                self.preferences.is_light = !self.preferences.is_light;
-                self.remember();
-            }
-            Command::LargerInterface => self.scale_interface(ctx, 1.1),
-            Command::SmallerInterface => self.scale_interface(ctx, 1.0 / 1.1),
-            Command::ShowMessages => self.panels.shows_messages = !self.panels.shows_messages,
-            Command::ShowPreferences => self.panels.dialog = Some(Dialog::Preferences),
-            Command::ShowTutorial => self.panels.dialog = Some(Dialog::Tutorial { step: 0 }),
-        }
-        ctx.request_repaint();
-    }
-
-    fn scale_interface(&mut self, ctx: &egui::Context, factor: f32) {
-        self.preferences.interface_scale = (ctx.zoom_factor() * factor).clamp(0.5, 3.0);
-        self.remember();
-    }
-
-    fn cancel(&mut self) {
-        if self.panels.dialog.take().is_some() {
-            return;
-        }
-        self.viewport.let_go();
-        if let Some(document) = &mut self.document {
-            document.end_stroke();
-            document.session.cancel_all();
-        }
-    }
-
-    fn look_down(&mut self) {
-        let size = self.viewport.size;
-        let Some(document) = &mut self.document else { return };
-        document.frame_all([size.x, size.y]);
-        let [width_m, depth_m] = document.size_m();
-        let middle = glam::DVec3::new(width_m / 2.0, 0.0, depth_m / 2.0);
-        let high_m = f64::from(document.view.range_m()[1]);
-        let up_m = (document.camera.eye() - middle).length();
-        let above = glam::DVec3::new(middle.x, high_m.max(0.0) + up_m, middle.z);
-        document.camera = CameraControl { eye_m: above.to_array(), heading: 0.0, pitch: -1.553 };
-    }
-
-    fn change_layer(&mut self, command: Command) {
-        let Some(document) = &self.document else { return };
-        let Some(layer) = document.current_layer() else { return };
-        let id = layer.id;
-        let layers = &document.status.layers;
-        let place = layers.iter().position(|other| other.id == id).unwrap_or_default();
-        let name_at = |place: usize| layers.get(place).map(|layer| layer.id);
-        let operation = match command {
-            Command::AddLayer => {
-                let is_taken = |name: &str| layers.iter().any(|layer| layer.name == name);
-                let name =
-                    (1..).map(|k| format!("Layer {k}")).find(|name| !is_taken(name)).unwrap_or_default();
-                json!({"op": "add_layer", "name": name, "above": id})
-            }
-            Command::DuplicateLayer => json!({"op": "duplicate_layer", "layer": id}),
-            Command::RemoveLayer => json!({"op": "remove_layer", "layer": id}),
-            Command::RaiseLayer => match name_at(place + 1) {
-                Some(above) => json!({"op": "move_layer", "layer": id, "above": above}),
-                None => return,
-            },
-            Command::LowerLayer => match place.checked_sub(1) {
-                None => return,
-                Some(0) => json!({"op": "move_layer", "layer": id}),
-                Some(below) => json!({"op": "move_layer", "layer": id, "above": name_at(below - 1)}),
-            },
-            _ => json!({"op": "set_layer", "layer": id, "visible": !layer.visible}),
-        };
-        self.apply(&command.title(), vec![operation]);
     }
 
     /// Closes what is open: what was done is on disk then.

@@ -7,6 +7,7 @@
 //! [`Editor`] is all of it but the window: it is given input and drawn by egui, in the program's window ([`run`]) as in tests.
 //! Whatever can be done is a [`Command`]: menus, keys, the command palette and tests all give those.
 
+mod actions;
 mod camera;
 mod command;
 mod document;

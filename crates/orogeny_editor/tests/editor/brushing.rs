@@ -49,7 +49,7 @@ fn escape_takes_back_what_is_being_drawn() {
 /// The same pointer events at 15, 60 and 240 frames a second are the same stroke, bit for bit.
 #[test]
 fn strokes_do_not_depend_on_how_many_frames_they_take() {
-    let points = curve(64);
+    let points = curve(32);
     let mut results = Vec::new();
     for events_a_frame in [16, 4, 1] {
         let mut window = Window::open();
@@ -63,7 +63,7 @@ fn strokes_do_not_depend_on_how_many_frames_they_take() {
             std::thread::sleep(std::time::Duration::from_millis(4 * events_a_frame as u64));
             window.frames(if events_a_frame == 4 { 3 } else { 1 });
         }
-        window.button(points[63], false, Modifiers::NONE);
+        window.button(points[31], false, Modifiers::NONE);
         window.settle();
         assert_eq!(window.history().len(), 2);
         let folder = window.close();

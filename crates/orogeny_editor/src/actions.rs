@@ -1,0 +1,132 @@
+//! What commands do.
+
+use orogeny_engine::BrushType;
+use orogeny_engine::session::Travel;
+use serde_json::json;
+
+use crate::camera::CameraControl;
+use crate::command::Command;
+use crate::editor::Editor;
+use crate::panels::Dialog;
+
+impl Editor {
+    /// Does what a command says.
+    pub fn run(&mut self, command: Command, ctx: &egui::Context) {
+        match command {
+            Command::New => self.panels.dialog = Some(Dialog::new_terrain(self)),
+            Command::Open => self.panels.dialog = Some(Dialog::open(self)),
+            Command::Import => self.panels.dialog = Some(Dialog::import(self)),
+            Command::Export => self.panels.dialog = Some(Dialog::export(self)),
+            Command::Quit => self.is_closing = true,
+            Command::Undo => self.travel("undo", Travel::Undo(1)),
+            Command::Redo => self.travel("redo", Travel::Redo(1)),
+            Command::Cancel => self.cancel(),
+            Command::FrameAll => {
+                let size = self.viewport.size;
+                if let Some(document) = &mut self.document {
+                    document.frame_all([size.x, size.y]);
+                }
+            }
+            Command::LookDown => self.look_down(),
+            Command::Larger => self.tool.resize(1),
+            Command::Smaller => self.tool.resize(-1),
+            Command::Stronger => self.tool.strengthen(1),
+            Command::Weaker => self.tool.strengthen(-1),
+            Command::CopyFromHere => match self.viewport.hovered {
+                Some(place) => self.tool.copy_from([place.x, place.z]),
+                None => self.tell("hold the pointer over the ground that is to be copied", false),
+            },
+            Command::TakeHeight => match self.viewport.hovered {
+                Some(place) => {
+                    self.tool.brush_type = BrushType::SetHeight;
+                    self.tool.set("height", Some(place.y.into()));
+                }
+                None => self.tell("hold the pointer over the ground whose height is to be taken", false),
+            },
+            Command::Brush(brush_type) => self.tool.brush_type = brush_type,
+            Command::Mode(mode) => self.request.mode = mode,
+            Command::AddLayer
+            | Command::DuplicateLayer
+            | Command::RemoveLayer
+            | Command::RaiseLayer
+            | Command::LowerLayer
+            | Command::ToggleLayer => self.change_layer(command),
+            Command::SelectAll => self.apply("select", vec![json!({"op": "select", "shape": {"all": true}})]),
+            Command::SelectNothing => {
+                self.apply("select", vec![json!({"op": "select", "shape": {"nothing": true}})])
+            }
+            Command::InvertSelection => {
+                self.apply("select", vec![json!({"op": "select", "shape": {"keep": true}, "invert": true})]);
+            }
+            Command::CommandPalette => self.panels.dialog = Some(Dialog::Commands { search: String::new() }),
+            Command::ToggleTheme => {
+                self.preferences.is_light = !self.preferences.is_light;
+                self.remember();
+            }
+            Command::LargerInterface => self.scale_interface(ctx, 1.1),
+            Command::SmallerInterface => self.scale_interface(ctx, 1.0 / 1.1),
+            Command::ShowMessages => self.panels.shows_messages = !self.panels.shows_messages,
+            Command::ShowPreferences => self.panels.dialog = Some(Dialog::Preferences),
+            Command::ShowTutorial => self.panels.dialog = Some(Dialog::Tutorial { step: 0 }),
+        }
+        ctx.request_repaint();
+    }
+
+    fn scale_interface(&mut self, ctx: &egui::Context, factor: f32) {
+        self.preferences.interface_scale = (ctx.zoom_factor() * factor).clamp(0.5, 3.0);
+        self.remember();
+    }
+
+    fn cancel(&mut self) {
+        if self.panels.dialog.take().is_some() {
+            return;
+        }
+        self.viewport.let_go();
+        if let Some(document) = &mut self.document {
+            document.end_stroke();
+            document.session.cancel_all();
+        }
+    }
+
+    fn look_down(&mut self) {
+        let size = self.viewport.size;
+        let Some(document) = &mut self.document else { return };
+        document.frame_all([size.x, size.y]);
+        let [width_m, depth_m] = document.size_m();
+        let middle = glam::DVec3::new(width_m / 2.0, 0.0, depth_m / 2.0);
+        let high_m = f64::from(document.view.range_m()[1]);
+        let up_m = (document.camera.eye() - middle).length();
+        let above = glam::DVec3::new(middle.x, high_m.max(0.0) + up_m, middle.z);
+        document.camera = CameraControl { eye_m: above.to_array(), heading: 0.0, pitch: -1.553 };
+    }
+
+    fn change_layer(&mut self, command: Command) {
+        let Some(document) = &self.document else { return };
+        let Some(layer) = document.current_layer() else { return };
+        let id = layer.id;
+        let layers = &document.status.layers;
+        let place = layers.iter().position(|other| other.id == id).unwrap_or_default();
+        let name_at = |place: usize| layers.get(place).map(|layer| layer.id);
+        let operation = match command {
+            Command::AddLayer => {
+                let is_taken = |name: &str| layers.iter().any(|layer| layer.name == name);
+                let name =
+                    (1..).map(|k| format!("Layer {k}")).find(|name| !is_taken(name)).unwrap_or_default();
+                json!({"op": "add_layer", "name": name, "above": id})
+            }
+            Command::DuplicateLayer => json!({"op": "duplicate_layer", "layer": id}),
+            Command::RemoveLayer => json!({"op": "remove_layer", "layer": id}),
+            Command::RaiseLayer => match name_at(place + 1) {
+                Some(above) => json!({"op": "move_layer", "layer": id, "above": above}),
+                None => return,
+            },
+            Command::LowerLayer => match place.checked_sub(1) {
+                None => return,
+                Some(0) => json!({"op": "move_layer", "layer": id}),
+                Some(below) => json!({"op": "move_layer", "layer": id, "above": name_at(below - 1)}),
+            },
+            _ => json!({"op": "set_layer", "layer": id, "visible": !layer.visible}),
+        };
+        self.apply(&command.title(), vec![operation]);
+    }
+}
