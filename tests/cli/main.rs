@@ -17,6 +17,7 @@ mod cloning;
 mod compaction;
 mod damage;
 mod drainage;
+mod edit;
 mod faults;
 mod history;
 mod job;

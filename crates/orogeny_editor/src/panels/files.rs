@@ -29,6 +29,8 @@ const SAMPLES: [(Option<SampleType>, &str); 4] = [
 pub(crate) struct FileDialog {
     purpose: Purpose,
     path: String,
+    /// Whether it was not drawn yet.
+    is_new: bool,
     /// The folder that is listed, and what is in it.
     listed: Option<(PathBuf, Vec<(String, bool)>)>,
     sample_type: usize,
@@ -64,7 +66,15 @@ impl Dialog {
         let path = folder(editor).join(name).display().to_string();
         let range_m =
             editor.document.as_ref().map_or([0.0, 1.0], |document| document.view.range_m().map(f64::from));
-        Self::File(FileDialog { purpose, path, listed: None, sample_type: 0, has_range: false, range_m })
+        Self::File(FileDialog {
+            purpose,
+            path,
+            is_new: true,
+            listed: None,
+            sample_type: 0,
+            has_range: false,
+            range_m,
+        })
     }
 }
 
@@ -181,6 +191,9 @@ pub(super) fn show(editor: &mut Editor, ctx: &Context, mut dialog: FileDialog) -
         let label = ui.label("Path");
         let field = TextEdit::singleline(&mut dialog.path).desired_width(f32::INFINITY);
         let field = ui.add(field).labelled_by(label.id);
+        if std::mem::take(&mut dialog.is_new) {
+            field.request_focus();
+        }
         is_done = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         dialog.list(ui);
         if dialog.purpose == Purpose::Export {

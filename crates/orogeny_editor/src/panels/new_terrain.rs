@@ -12,6 +12,8 @@ use crate::editor::Editor;
 #[derive(Debug, Clone)]
 pub(crate) struct NewTerrain {
     path: String,
+    /// Whether it was not drawn yet.
+    is_new: bool,
     num_samples: [i64; 2],
     spacing_m: f64,
     height_m: f32,
@@ -26,6 +28,7 @@ impl Dialog {
             (1..).map(|k| folder.join(format!("terrain-{k}.orogeny"))).find(is_free).unwrap_or_default();
         Self::New(NewTerrain {
             path: path.display().to_string(),
+            is_new: true,
             num_samples: [2049, 2049],
             spacing_m: 1.0,
             height_m: 0.0,
@@ -38,7 +41,11 @@ pub(super) fn show(editor: &mut Editor, ctx: &Context, mut new: NewTerrain) -> O
     let shown = super::window(ctx, "New terrain", |ui| {
         egui::Grid::new("new terrain").num_columns(2).show(ui, |ui| {
             let label = ui.label("Path");
-            ui.add(TextEdit::singleline(&mut new.path).desired_width(300.0)).labelled_by(label.id);
+            let field = TextEdit::singleline(&mut new.path).desired_width(300.0);
+            let field = ui.add(field).labelled_by(label.id);
+            if std::mem::take(&mut new.is_new) {
+                field.request_focus();
+            }
             ui.end_row();
             let label = ui.label("Samples");
             ui.horizontal(|ui| {

@@ -1,6 +1,6 @@
 //! `setup`: installs what the other commands need and a fresh machine lacks.
 //!
-//! What only one operating system has sits in modules of its own ([`linux`], [`mod@tracer`]); elsewhere nothing is installed,
+//! What only one operating system has sits in modules of its own ([`linux`], [`mod@test_tools`]); elsewhere nothing is installed,
 //! since the system brings its graphics driver along.
 
 #[cfg(target_os = "linux")]
@@ -9,7 +9,7 @@ mod components;
 #[cfg(target_os = "linux")]
 mod linux;
 #[cfg(target_os = "linux")]
-mod tracer;
+mod test_tools;
 
 use std::process::ExitCode;
 
@@ -31,7 +31,7 @@ pub enum Need {
 /// Something cannot be installed; the message holds the line that does it.
 pub fn run() -> anyhow::Result<ExitCode> {
     graphics(Need::Required)?;
-    tracer();
+    test_tools();
     for name in ["rustfmt", "clippy"] {
         component(name)?;
     }
@@ -67,12 +67,12 @@ pub fn graphics(_need: Need) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Sees to a tracer of system calls, without which some tests skip themselves: that is told and no failure.
+/// Sees to the programs that some tests work by, and without which they skip themselves: that is told and no failure.
 #[cfg(target_os = "linux")]
-pub fn tracer() {
-    tracer::tracer();
+pub fn test_tools() {
+    test_tools::test_tools();
 }
 
-/// Tests trace system calls on Linux only.
+/// Tests that need other programs run on Linux only.
 #[cfg(not(target_os = "linux"))]
-pub const fn tracer() {}
+pub const fn test_tools() {}

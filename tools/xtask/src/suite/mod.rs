@@ -47,7 +47,7 @@ pub struct Options {
 pub fn run(options: &Options) -> anyhow::Result<ExitCode> {
     if !options.quick {
         setup::graphics(Need::Required)?;
-        setup::tracer();
+        setup::test_tools();
     }
     if std::env::var_os("OROGENY_DATA").is_none() {
         println!(
