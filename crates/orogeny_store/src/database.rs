@@ -281,6 +281,15 @@ impl Database {
         result
     }
 
+    /// Reads the state that the file has now, and no other, until this is called again or the connection is closed.
+    pub(crate) fn hold(&self) -> Result<()> {
+        if !self.conn.is_autocommit() {
+            self.run("ROLLBACK")?;
+        }
+        // It begins with the first thing that is read.
+        self.run("BEGIN DEFERRED")
+    }
+
     /// Runs `work` over one unchanging state of the file.
     pub(crate) fn in_snapshot<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
         let _snapshot = Snapshot::new(self)?;
@@ -337,24 +346,18 @@ impl Database {
 }
 
 /// One unchanging state of the file, for as long as it is held.
-pub struct Snapshot<'store> {
-    /// `None` where one was held already, or a transaction is running.
+struct Snapshot<'store> {
+    /// `None` where one is held already, or a transaction is running.
     db: Option<&'store Database>,
 }
 
 impl<'store> Snapshot<'store> {
-    pub(crate) fn new(db: &'store Database) -> Result<Self> {
+    fn new(db: &'store Database) -> Result<Self> {
         if !db.conn.is_autocommit() {
             return Ok(Self { db: None });
         }
         db.run("BEGIN DEFERRED")?;
         Ok(Self { db: Some(db) })
-    }
-}
-
-impl std::fmt::Debug for Snapshot<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Snapshot").finish_non_exhaustive()
     }
 }
 

@@ -56,8 +56,6 @@ pub(crate) struct Compositor {
     layers: Vec<Layer>,
     nodes: Arc<Vec<Node>>,
     cache: Cache,
-    /// The commit that the cache shows, where the file is only read.
-    sequence: Option<u64>,
     /// Made when the first brush is to be worked out.
     executor: Option<Box<dyn Executor>>,
 }
@@ -76,7 +74,6 @@ impl Compositor {
             layers: Vec::new(),
             nodes: Arc::default(),
             cache: Cache::new(shares.composite_in_bytes),
-            sequence: None,
             executor: None,
         }
     }
@@ -103,11 +100,9 @@ impl Compositor {
         Ok(Arc::clone(&self.nodes))
     }
 
-    /// Another program may have changed the file since it was last looked at.
-    pub(crate) fn at_commit(&mut self, sequence: u64) {
-        if self.sequence.replace(sequence) != Some(sequence) {
-            self.cache.drop_where(|key| key.kind == Kind::Result);
-        }
+    /// Another program may have changed any page.
+    pub(crate) fn forget_results(&mut self) {
+        self.cache.drop_where(|key| key.kind == Kind::Result);
     }
 
     /// Nothing that is kept can be trusted.

@@ -138,8 +138,6 @@ impl View<'_> {
         let camera = Camera::looking_at(eye_m, target_m, request.fov_degrees.to_radians(), self.size_px);
         let scene = self.scene(request);
         let (grid, layout) = (self.terrain.grid(), self.terrain.store()?.layout());
-        let _unchanging = self.terrain.settled()?.snapshot()?;
-        self.terrain.look_again()?;
         let relief = PageRelief::new(grid, layout, &self.source);
         let missing = self.renderer.want(&camera, &scene, &relief);
         let total = missing.len() as u64;
