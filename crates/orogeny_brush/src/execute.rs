@@ -1,6 +1,6 @@
 //! What carries out batches.
 
-use orogeny_field::PageKey;
+use orogeny_field::{FieldId, PageKey, Plane, SampleRect};
 use orogeny_pages::PageStore;
 
 use crate::Result;
@@ -48,6 +48,21 @@ pub trait Executor: Send {
     /// # Errors
     /// As [`run`](Self::run); [`crate::Error::Interrupted`] where it is not to go on.
     fn run_watched(&mut self, batch: &Batch, store: &mut dyn PageStore, watch: Watch<'_>) -> Result<()>;
+
+    /// What a batch makes of a rectangle of ground in memory, which with all other fields that it looks at is among `fields`, as far
+    /// as it looks. Nothing becomes resident, no operation is begun, and nothing is noticed. `None` where this back end can only do it over pages.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    fn run_over_planes(
+        &mut self,
+        batch: &Batch,
+        fields: &[(FieldId, &Plane)],
+        rect: SampleRect,
+    ) -> Result<Option<Plane>> {
+        _ = (batch, fields, rect);
+        Ok(None)
+    }
 
     /// Ends the operation: all that it changed is saved to `store`. Only after this has returned may the operation be
     /// acknowledged.

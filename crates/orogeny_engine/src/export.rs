@@ -107,6 +107,7 @@ impl Terrain {
         let rect = self.region_at(region_m, level)?;
         let source = self.source(source)?;
         if let (0, Access::Write(recorder)) = (level, self.access()) {
+            let _first = recorder.give_way();
             let mut pages = RecorderPages(recorder);
             let mut look = Look::new(self.grid(), level, &mut pages)?;
             let layers = recorder.on_disk()?.layers();

@@ -1,6 +1,7 @@
 //! What a gate lets through at each sample of a row, 0..1: the product of its bands over slope, height, aspect and curvature of
 //! the ground. Derivatives are central differences; curvature is `-(H_xx + H_zz) / 2`.
 
+use multiversion::multiversion;
 use orogeny_field::{AspectGate, Band, Bitmap, Gate};
 
 use crate::store::lerp;
@@ -18,32 +19,79 @@ pub struct Ground<'a> {
     pub spacing_m: f64,
 }
 
+/// Samples of a row that are worked at once: what is known of them stays in the first-level cache.
+const CHUNK: usize = 128;
+
 /// Multiplies a row of weights by what a gate makes of the ground.
 pub fn multiply_by_ground(weights: &mut [f32], gate: &Gate, ground: &Ground<'_>) {
     let slope = gate.slope_deg.as_ref().map(SlopeBand::new);
-    let rows = ground.here.windows(3).zip(ground.north.iter().skip(1).zip(ground.south.iter().skip(1)));
-    for (weight, (here, (north, south))) in weights.iter_mut().zip(rows) {
-        let &[west, centre, east] = here else { continue };
-        let [west, centre, east] = [west, centre, east].map(f64::from);
-        let (north, south) = (f64::from(*north), f64::from(*south));
-        let slope_x = (east - west) / (2.0 * ground.spacing_m);
-        let slope_z = (south - north) / (2.0 * ground.spacing_m);
-        let mut through = 1.0;
-        if let Some(band) = &gate.height_m {
-            through *= within(centre, band);
-        }
-        if let Some(band) = &slope {
-            through *= band.through(slope_x, slope_z);
-        }
-        if let Some(aspect) = &gate.aspect {
-            through *= facing([-slope_x, -slope_z], aspect);
-        }
-        if let Some(band) = &gate.curvature_per_km {
-            let bend = (west + east + north + south - 4.0 * centre) / (ground.spacing_m * ground.spacing_m);
-            through *= within(-500.0 * bend, band);
-        }
-        *weight *= through as f32;
+    for (number, weights) in weights.chunks_mut(CHUNK).enumerate() {
+        // With the samples at either end.
+        let first = number * CHUNK;
+        let part = first..first + weights.len() + 2;
+        let rows = [ground.north, ground.here, ground.south].map(|row| row.get(part.clone()));
+        let [Some(north), Some(here), Some(south)] = rows else { continue };
+        multiply_chunk(weights, gate, slope.as_ref(), &Ground { north, here, south, ..*ground });
     }
+}
+
+/// The same for at most [`CHUNK`] samples: band after band, each a loop that vectorises.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
+fn multiply_chunk(weights: &mut [f32], gate: &Gate, slope: Option<&SlopeBand<'_>>, ground: &Ground<'_>) {
+    let Ground { north, here, south, spacing_m } = *ground;
+    let num_samples = weights.len();
+    let mut through = [1.0_f64; CHUNK];
+    let Some(through) = through.get_mut(..num_samples) else { return };
+    let across =
+        || {
+            part(here, num_samples, 2)
+                .zip(part(here, num_samples, 0))
+                .zip(part(south, num_samples, 1).zip(part(north, num_samples, 1)))
+        };
+    let slopes = |((east, west), (south, north)): ((&f32, &f32), (&f32, &f32))| {
+        let along = |after: f32, before: f32| (f64::from(after) - f64::from(before)) / (2.0 * spacing_m);
+        [along(*east, *west), along(*south, *north)]
+    };
+    if let Some(band) = &gate.height_m {
+        for (through, centre) in through.iter_mut().zip(part(here, num_samples, 1)) {
+            *through *= within(f64::from(*centre), band);
+        }
+    }
+    if let Some(band) = slope {
+        let mut angled = [0.0_f64; CHUNK];
+        for (angled, around) in angled.iter_mut().zip(across()) {
+            let [slope_x, slope_z] = slopes(around);
+            *angled = band.certain(slope_x * slope_x + slope_z * slope_z);
+        }
+        for ((through, certain), around) in through.iter_mut().zip(angled).zip(across()) {
+            *through *= if certain >= 0.0 { certain } else { band.by_angle(slopes(around)) };
+        }
+    }
+    if let Some(aspect) = &gate.aspect {
+        for (through, around) in through.iter_mut().zip(across()) {
+            let [slope_x, slope_z] = slopes(around);
+            *through *= facing([-slope_x, -slope_z], aspect);
+        }
+    }
+    if let Some(band) = &gate.curvature_per_km {
+        for ((through, centre), ((east, west), (south, north))) in
+            through.iter_mut().zip(part(here, num_samples, 1)).zip(across())
+        {
+            let [west, centre, east] = [west, centre, east].map(|height| f64::from(*height));
+            let (north, south) = (f64::from(*north), f64::from(*south));
+            let bend = (west + east + north + south - 4.0 * centre) / (spacing_m * spacing_m);
+            *through *= within(-500.0 * bend, band);
+        }
+    }
+    for (weight, through) in weights.iter_mut().zip(through) {
+        *weight *= *through as f32;
+    }
+}
+
+/// So many samples of a row from one on.
+#[inline(always)]
+fn part(row: &[f32], num_samples: usize, first: usize) -> std::slice::Iter<'_, f32> {
+    row.get(first..first + num_samples).unwrap_or_default().iter()
 }
 
 /// Multiplies a row of weights by what a band lets through of other values, such as a noise.
@@ -86,16 +134,19 @@ pub fn invert(weights: &mut [f32]) {
 }
 
 /// 1 within a band, 0 further than its feather outside, a smooth step between.
+#[inline(always)]
 #[must_use]
 pub fn within(value: f64, band: &Band) -> f64 {
     let outside = (band.min - value).max(value - band.max).max(0.0);
+    // Worked out whether it is asked for or not, which vectorises.
+    let t = 1.0 - outside / band.feather;
+    let step = t * t * (3.0 - 2.0 * t);
     if outside <= 0.0 {
         1.0
     } else if outside >= band.feather {
         0.0
     } else {
-        let t = 1.0 - outside / band.feather;
-        t * t * (3.0 - 2.0 * t)
+        step
     }
 }
 
@@ -124,16 +175,23 @@ impl<'a> SlopeBand<'a> {
         Self { band, within: ends(0.0, MARGIN), beyond: ends(band.feather, -MARGIN) }
     }
 
-    fn through(&self, slope_x: f64, slope_z: f64) -> f64 {
-        let squared = slope_x * slope_x + slope_z * slope_z;
+    /// What is let through of a slope whose square this is; less than 0 where that takes the angle.
+    #[inline(always)]
+    fn certain(&self, squared: f64) -> f64 {
         let ([low, high], [lowest, highest]) = (self.within, self.beyond);
-        if squared > low && squared < high {
+        let is_within = (squared > low) & (squared < high);
+        let is_beyond = (squared < lowest) | (squared > highest);
+        if is_within {
             1.0
-        } else if squared < lowest || squared > highest {
+        } else if is_beyond {
             0.0
         } else {
-            within(slope_x.hypot(slope_z).atan().to_degrees(), self.band)
+            -1.0
         }
+    }
+
+    fn by_angle(&self, [slope_x, slope_z]: [f64; 2]) -> f64 {
+        within(slope_x.hypot(slope_z).atan().to_degrees(), self.band)
     }
 }
 
@@ -208,14 +266,19 @@ mod tests {
         {
             let band = Band { min, max, feather };
             let fast = SlopeBand::new(&band);
+            let through =
+                |slope_x: f64, slope_z: f64| match fast.certain(slope_x * slope_x + slope_z * slope_z) {
+                    certain if certain >= 0.0 => certain,
+                    _ => fast.by_angle([slope_x, slope_z]),
+                };
             for step in 0..4000 {
                 let (slope_x, slope_z) = (f64::from(step) * 0.0007, f64::from(step % 37) * 0.01 - 0.2);
                 let angle = slope_x.hypot(slope_z).atan().to_degrees();
-                assert_eq!(fast.through(slope_x, slope_z), within(angle, &band), "{angle} in {band:?}");
+                assert_eq!(through(slope_x, slope_z), within(angle, &band), "{angle} in {band:?}");
             }
             for degrees in [min, max, min - feather, max + feather] {
                 let slope = degrees.clamp(0.0, 89.9).to_radians().tan();
-                assert_eq!(fast.through(slope, 0.0), within(slope.atan().to_degrees(), &band), "{degrees}");
+                assert_eq!(through(slope, 0.0), within(slope.atan().to_degrees(), &band), "{degrees}");
             }
         }
     }

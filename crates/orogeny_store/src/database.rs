@@ -5,11 +5,13 @@
 
 use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rusqlite::config::DbConfig;
 use rusqlite::{CachedStatement, Connection, OpenFlags};
 
 use crate::cache::PageCache;
+use crate::pace::Pace;
 use crate::{Error, Result, format};
 
 /// An open terrain file.
@@ -20,6 +22,8 @@ pub(crate) struct Database {
     /// Pages as they are, decoded. Only a writer keeps any: to a reader they may change at any time.
     pub(crate) cache: RefCell<PageCache>,
     is_writer: bool,
+    /// Asked before each page that is coded or written.
+    pub(crate) pace: Arc<Pace>,
 }
 
 /// What a store has asked of its database since it was opened.
@@ -166,7 +170,8 @@ impl Database {
 
     fn new(conn: Connection, path: &Path) -> Result<Self> {
         let (counters, cache) = (Counting::default(), RefCell::default());
-        let db = Self { conn, path: path.to_owned(), counters, cache, is_writer: false };
+        let db =
+            Self { conn, path: path.to_owned(), counters, cache, is_writer: false, pace: Arc::default() };
         db.conn.busy_timeout(format::BUSY_TIMEOUT).map_err(|err| db.fault(err))?;
         db.conn.set_prepared_statement_cache_capacity(64);
         Ok(db)

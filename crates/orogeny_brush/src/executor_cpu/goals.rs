@@ -135,6 +135,11 @@ impl<'a> Rows<'a> {
     }
 }
 
+/// Copies what another plane has of a plane into it.
+pub(super) fn copy_plane(from: &Plane, to: &mut Plane) {
+    copy(&[(from.rect(), Rows::Plane(from))], to);
+}
+
 /// Copies what others have of a plane into it.
 fn copy(others: &[(SampleRect, Rows<'_>)], plane: &mut Plane) {
     let rect = plane.rect();

@@ -4,6 +4,7 @@
 //! of the tasks can change a bit.
 
 mod goals;
+mod over_planes;
 mod planes;
 mod steps;
 mod weights;
@@ -12,7 +13,7 @@ mod working_page;
 use std::collections::BTreeSet;
 
 use lru::LruCache;
-use orogeny_field::{Page, PageKey, PageLayout, Plane, WeightMode};
+use orogeny_field::{FieldId, Page, PageKey, PageLayout, Plane, SampleRect, WeightMode};
 use orogeny_pages::PageStore;
 use rayon::prelude::*;
 
@@ -244,6 +245,15 @@ impl Executor for CpuExecutor {
         }
         self.end();
         Ok(std::mem::take(&mut self.notices))
+    }
+
+    fn run_over_planes(
+        &mut self,
+        batch: &Batch,
+        fields: &[(FieldId, &Plane)],
+        rect: SampleRect,
+    ) -> Result<Option<Plane>> {
+        self.over_planes(batch, fields, rect)
     }
 
     fn cancel(&mut self) {

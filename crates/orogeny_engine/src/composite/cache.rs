@@ -86,7 +86,7 @@ impl Cache {
         }
     }
 
-    fn drop_page(&mut self, key: &CacheKey) {
+    pub(super) fn drop_page(&mut self, key: &CacheKey) {
         if let Some(held) = self.held.remove(key) {
             self.size_in_bytes -= size_of_page(&held.page);
         }

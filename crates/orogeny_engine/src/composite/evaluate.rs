@@ -6,14 +6,14 @@ use orogeny_brush::Executor;
 use orogeny_field::{
     Blend, FieldId, MAX_SPACING_M, Page, PageKey, PageLayout, Plane, SampleRect, TerrainGrid, rect_above,
 };
-use orogeny_reference::field::compose;
 use orogeny_store::Layer;
 use rayon::prelude::*;
 
 use super::cache::{Cache, CacheKey, Kind};
-use super::content::{cropped, cut, patch, stored};
+use super::content::{cropped, cut, patch, samples, stored};
 use super::live::{self, BELOW, GROUND, HEIGHTS, WEIGHTS};
 use super::node::{Content, Node, nodes};
+use super::samples::{Part, Samples, Weights, joined};
 use super::weights::{self, weights};
 use super::{FieldPages, Live};
 use crate::Result;
@@ -23,8 +23,8 @@ use crate::backend::{self, Settings};
 /// Pages that are worked out at once where a barrier lacks them: their halo is looked at once.
 const BLOCK_PAGES: u32 = 8;
 
-/// Rows that a thread takes at once.
-const MIN_ROWS: usize = 16;
+/// Pages of layers that are read before they are joined, in bytes: all of them at once, but of a large rectangle a few layers at a time.
+const MAX_JOINED_BYTES: u64 = 16 << 20;
 
 /// Where and how the stack is looked at.
 pub(crate) struct Look<'a> {
@@ -188,16 +188,23 @@ impl Compositor {
     pub(crate) fn heights(&mut self, look: &mut Look<'_>, nodes: &[Node], rect: SampleRect) -> Result<Plane> {
         let num_above = nodes.iter().rev().take_while(|node| !node.is_barrier()).count();
         let (below, above) = nodes.split_at(nodes.len() - num_above);
-        let mut plane = match below.split_last() {
-            None => Plane::constant(rect, 0.0),
+        let mut below = match below.split_last() {
+            None => Samples::constant(0.0),
             Some((barrier, below)) => self.barrier(look, below, barrier, rect)?,
         };
+        let (mut parts, mut size_in_bytes) = (Vec::with_capacity(above.len()), 0);
         for node in above {
             let heights = self.content(look, node, rect)?;
-            let weights = self.weights(look, node, None, rect)?;
-            join(node, &mut plane, &heights, weights.as_ref());
+            let part = Part { heights, weights: weights::painted(look, node, rect)?, blend: node.blend };
+            size_in_bytes += part.size_in_bytes();
+            parts.push(part);
+            if size_in_bytes > MAX_JOINED_BYTES {
+                below = Samples::Plane(joined(&below, &parts, rect));
+                parts.clear();
+                size_in_bytes = 0;
+            }
         }
-        Ok(plane)
+        Ok(if parts.is_empty() { below.into_plane(rect) } else { joined(&below, &parts, rect) })
     }
 
     /// What a layer alone is made of, in a rectangle; of an effect what it makes of what is below.
@@ -238,7 +245,7 @@ impl Compositor {
         below: &[Node],
         node: &Node,
         rect: SampleRect,
-    ) -> Result<Plane> {
+    ) -> Result<Samples> {
         self.kept(look, node, Kind::Result, rect, |this, look, rect| {
             let inner = match node.blend {
                 Blend::Laplacian => live::plan_blend(look, rect).needs,
@@ -250,10 +257,11 @@ impl Compositor {
             let heights = match &node.content {
                 Content::Heights(_) | Content::Kept(_) => this.content(look, node, inner)?,
                 Content::Procedural(live) | Content::Effect(live) => {
-                    this.made(look, node, live, &plane, inner)?
+                    Samples::Plane(this.made(look, node, live, &plane, inner)?)
                 }
             };
             if node.blend == Blend::Laplacian {
+                let heights = heights.into_plane(inner);
                 let weights = weights(look, this.executor(look.layout)?, node, Some(&plane), inner)?;
                 let planned = live::plan_blend(look, rect);
                 let planes = vec![(GROUND, &plane), (HEIGHTS, &heights), (WEIGHTS, &weights)];
@@ -263,31 +271,19 @@ impl Compositor {
                 });
                 return Ok(joined);
             }
-            let weights = this.weights(look, node, Some(&plane), rect)?;
-            let mut joined = cropped(plane, rect);
-            join(node, &mut joined, &heights, weights.as_ref());
-            Ok(joined)
+            let weights = if node.has_painted_masks_only() {
+                weights::painted(look, node, rect)?
+            } else {
+                Weights::Plane(weights(look, this.executor(look.layout)?, node, Some(&plane), rect)?)
+            };
+            Ok(joined(&Samples::Plane(plane), &[Part { heights, weights, blend: node.blend }], rect))
         })
     }
 
-    /// A node's weights; `None` where it counts the same everywhere.
-    fn weights(
-        &mut self,
-        look: &mut Look<'_>,
-        node: &Node,
-        below: Option<&Plane>,
-        rect: SampleRect,
-    ) -> Result<Option<Plane>> {
-        if node.is_unmasked() {
-            return Ok(None);
-        }
-        weights(look, self.executor(look.layout)?, node, below, rect).map(Some)
-    }
-
     /// What a layer is made of that does not look at what is below it.
-    fn content(&mut self, look: &mut Look<'_>, node: &Node, rect: SampleRect) -> Result<Plane> {
+    fn content(&mut self, look: &mut Look<'_>, node: &Node, rect: SampleRect) -> Result<Samples> {
         match &node.content {
-            Content::Heights(heights) | Content::Kept(heights) => stored(look, heights, rect),
+            Content::Heights(heights) | Content::Kept(heights) => samples(look, heights, rect),
             Content::Procedural(live) | Content::Effect(live) => {
                 self.kept(look, node, Kind::Content, rect, |this, look, rect| {
                     let flat = Plane::constant(rect, 0.0);
@@ -329,21 +325,20 @@ impl Compositor {
         kind: Kind,
         rect: SampleRect,
         mut work_out: impl FnMut(&mut Self, &mut Look<'_>, SampleRect) -> Result<Plane>,
-    ) -> Result<Plane> {
+    ) -> Result<Samples> {
         let (layout, level) = (look.layout, look.level);
         let bounds = look.grid.bounds();
-        let mut plane = Plane::constant(rect, 0.0);
         let key_of = |(x, z)| CacheKey { layer: node.id, kind, level, z, x };
-        let (mut missing, mut stale) = (Vec::new(), SampleRect::EMPTY);
+        let (mut pages, mut missing, mut stale) = (Vec::new(), Vec::new(), SampleRect::EMPTY);
         let mut partly_stale = Vec::new();
         for place in layout.pages_in(rect) {
             match self.cache.get(&key_of(place)) {
                 Some((page, of_page)) if of_page.is_empty() => {
-                    plane.paste(&page, &page_rect(layout, &key_of(place)), &rect);
+                    pages.push((page_rect(layout, &key_of(place)), page));
                 }
                 Some((page, of_page)) => {
                     stale = stale.bounds_with(&of_page);
-                    partly_stale.push((place, page, of_page));
+                    partly_stale.push((key_of(place), page, of_page));
                 }
                 None => missing.push(place),
             }
@@ -352,12 +347,16 @@ impl Compositor {
         if !partly_stale.is_empty() {
             let made =
                 if stale.is_empty() { Plane::constant(stale, 0.0) } else { work_out(self, look, stale)? };
-            for (place, page, of_page) in partly_stale {
-                let key = key_of(place);
+            // Pages that no one else has are changed where they are.
+            partly_stale.iter().for_each(|(key, ..)| self.cache.drop_page(key));
+            let patched = partly_stale.into_par_iter().map(|(key, page, of_page)| {
                 let mut page = Arc::unwrap_or_clone(page);
                 patch(&mut page, page_rect(layout, &key), &of_page.intersection(&bounds), &made);
-                plane.paste(&page, &page_rect(layout, &key), &rect);
-                self.cache.put(key, Arc::new(page));
+                (key, Arc::new(page))
+            });
+            for (key, page) in patched.collect::<Vec<_>>() {
+                pages.push((page_rect(layout, &key), Arc::clone(&page)));
+                self.cache.put(key, page);
             }
         }
         while let Some((first_x, first_z)) = missing.first().copied() {
@@ -375,11 +374,13 @@ impl Compositor {
                 let key = key_of(place);
                 let of_page = page_rect(layout, &key);
                 let page = Arc::new(cut(&made, layout, of_page));
-                plane.paste(&page, &of_page, &rect);
+                if block.contains(&place) {
+                    pages.push((of_page, Arc::clone(&page)));
+                }
                 self.cache.put(key, page);
             }
         }
-        Ok(plane)
+        Ok(Samples::Pages { pages, constant: 0.0 })
     }
 
     fn executor(&mut self, layout: PageLayout) -> Result<&mut dyn Executor> {
@@ -388,24 +389,6 @@ impl Compositor {
             none => none.insert(backend::composite_executor(&self.settings, layout)?),
         };
         Ok(executor.as_mut())
-    }
-}
-
-/// Joins a layer to what is below it.
-fn join(node: &Node, below: &mut Plane, heights: &Plane, weights: Option<&Plane>) {
-    let width = below.rect().width().max(1) as usize;
-    let rows = below.samples_mut().par_chunks_mut(width).zip(heights.samples().par_chunks(width));
-    let rows = rows.with_min_len(MIN_ROWS);
-    match weights {
-        Some(weights) => {
-            rows.zip(weights.samples().par_chunks(width)).for_each(|((below, heights), weights)| {
-                compose::row(below, heights, weights, node.blend);
-            })
-        }
-        None => {
-            let weights = vec![node.opacity; width];
-            rows.for_each(|(below, heights)| compose::row(below, heights, &weights, node.blend));
-        }
     }
 }
 

@@ -15,6 +15,7 @@ mod live;
 mod node;
 mod pages;
 mod rows;
+mod samples;
 mod summary;
 mod weights;
 

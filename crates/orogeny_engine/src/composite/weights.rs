@@ -9,9 +9,10 @@ use orogeny_reference::field::compose;
 use rayon::prelude::*;
 
 use super::Look;
-use super::content::{cropped, stored};
+use super::content::{cropped, samples, stored};
 use super::live::{self, BELOW, GROUND, Planned};
 use super::node::{Mask, Node, Term, TermSource, selection};
+use super::samples::Weights;
 use crate::Result;
 
 /// Refuses a term of a mask that cannot be worked out on the terrain: the composite could not be looked at with it.
@@ -58,6 +59,13 @@ fn looks_below(term: &Term) -> bool {
 
 fn blur(look: &mut Look<'_>, term: &Term, rect: SampleRect) -> Result<Option<Planned>> {
     if term.blur_m > 0.0 { live::plan_blur(look, term.blur_m, rect) } else { Ok(None) }
+}
+
+/// The weights of a node whose masks are stored, all of them.
+pub(super) fn painted(look: &mut Look<'_>, node: &Node, rect: SampleRect) -> Result<Weights> {
+    let painted = node.masks.iter().filter_map(|mask| mask.painted.as_ref());
+    let masks = painted.map(|painted| samples(look, painted, rect)).collect::<Result<_>>()?;
+    Ok(Weights::Masks { masks, opacity: node.opacity })
 }
 
 /// A node's weights within a rectangle, over what is below it, which has what [`needs`] says.
