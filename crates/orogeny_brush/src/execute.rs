@@ -64,6 +64,16 @@ pub trait Executor: Send {
         Ok(None)
     }
 
+    /// A plane whose values are to be written: of memory that was [given back](Self::give_back), where there is any.
+    fn plane(&mut self, rect: SampleRect) -> Plane {
+        Plane::constant(rect, 0.0)
+    }
+
+    /// Takes the memory of a plane that is no longer needed, and keeps it as far as its budget goes.
+    fn give_back(&mut self, plane: Plane) {
+        drop(plane);
+    }
+
     /// Ends the operation: all that it changed is saved to `store`. Only after this has returned may the operation be
     /// acknowledged.
     ///

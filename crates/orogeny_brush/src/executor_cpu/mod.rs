@@ -256,6 +256,15 @@ impl Executor for CpuExecutor {
         self.over_planes(batch, fields, rect)
     }
 
+    fn plane(&mut self, rect: SampleRect) -> Plane {
+        self.planes.memory(rect, 1)
+    }
+
+    fn give_back(&mut self, plane: Plane) {
+        self.planes.give_back(plane);
+        self.planes.shrink_to(self.room_in_bytes(0));
+    }
+
     fn cancel(&mut self) {
         self.resident.clear();
         self.end();

@@ -5,7 +5,6 @@ use orogeny_reference::amounts;
 use rayon::prelude::*;
 
 use super::CpuExecutor;
-use super::goals::copy_plane;
 use super::working_page::ROW_CHUNK;
 use crate::Result;
 use crate::filter::{self, Step};
@@ -29,7 +28,6 @@ impl CpuExecutor {
         let (true, [instance]) = (is_everywhere(batch, rect), batch.instances.as_slice()) else {
             return Ok(None);
         };
-        let mut plane = Plane::constant(rect, 0.0);
         let apply = |plane: &mut Plane, part: SampleRect, goal: Option<&Plane>| {
             let width = rect.width() as usize;
             let first = part.x0.abs_diff(rect.x0) as usize;
@@ -53,6 +51,7 @@ impl CpuExecutor {
             });
         };
         let Rule::Filter(filter) = &pass.rule else {
+            let mut plane = self.planes.memory(rect, 1);
             self.threads.install(|| apply(&mut plane, rect, None));
             return Ok(Some(plane));
         };
@@ -67,15 +66,15 @@ impl CpuExecutor {
             return Ok(None);
         }
         let mut planes = std::mem::take(&mut self.planes);
+        let mut plane = planes.memory(rect, 1);
         for block in filter::blocks(self.layout, &batch.pages, &filter.graph) {
-            let given = |step: &Step, mut plane: Plane| {
-                let from = if let Step::Field(field) = step { plane_of(*field) } else { Some(ground) };
-                if let Some(from) = from {
-                    self.threads.install(|| copy_plane(from, &mut plane));
-                }
-                Ok(plane)
+            let there = |step: &Step| match step {
+                Step::Heights => Some(ground),
+                Step::Field(field) => plane_of(*field),
+                _ => None,
             };
-            let goal = planes.work_out(&self.threads, &filter.graph, block.rect, given, &mut |_| true)?;
+            let (graph, given) = (&filter.graph, |_: &Step, plane| Ok(plane));
+            let goal = planes.work_out(&self.threads, graph, block.rect, there, given, &mut |_| true)?;
             self.threads.install(|| apply(&mut plane, block.rect, Some(&goal)));
             planes.give_back(goal);
         }

@@ -14,6 +14,7 @@ use super::content::{cropped, cut, patch, samples, stored};
 use super::live::{self, BELOW, GROUND, HEIGHTS, WEIGHTS};
 use super::node::{Content, Node, nodes};
 use super::samples::{Part, Samples, Weights, joined};
+use super::stale::Stale;
 use super::weights::{self, weights};
 use super::{FieldPages, Live};
 use crate::Result;
@@ -199,12 +200,12 @@ impl Compositor {
             size_in_bytes += part.size_in_bytes();
             parts.push(part);
             if size_in_bytes > MAX_JOINED_BYTES {
-                below = Samples::Plane(joined(&below, &parts, rect));
+                below = Samples::Plane(joined(&below, &parts, self.plane(rect)));
                 parts.clear();
                 size_in_bytes = 0;
             }
         }
-        Ok(if parts.is_empty() { below.into_plane(rect) } else { joined(&below, &parts, rect) })
+        Ok(if parts.is_empty() { below.into_plane(rect) } else { joined(&below, &parts, self.plane(rect)) })
     }
 
     /// What a layer alone is made of, in a rectangle; of an effect what it makes of what is below.
@@ -276,7 +277,10 @@ impl Compositor {
             } else {
                 Weights::Plane(weights(look, this.executor(look.layout)?, node, Some(&plane), rect)?)
             };
-            Ok(joined(&Samples::Plane(plane), &[Part { heights, weights, blend: node.blend }], rect))
+            let (below, part) = (Samples::Plane(plane), Part { heights, weights, blend: node.blend });
+            let joined = joined(&below, std::slice::from_ref(&part), this.plane(rect));
+            part.into_planes().chain(below.into_plane_there()).for_each(|plane| this.give_back(plane));
+            Ok(joined)
         })
     }
 
@@ -333,12 +337,14 @@ impl Compositor {
         let mut partly_stale = Vec::new();
         for place in layout.pages_in(rect) {
             match self.cache.get(&key_of(place)) {
-                Some((page, of_page)) if of_page.is_empty() => {
-                    pages.push((page_rect(layout, &key_of(place)), page));
-                }
                 Some((page, of_page)) => {
-                    stale = stale.bounds_with(&of_page);
-                    partly_stale.push((key_of(place), page, of_page));
+                    let wanted = of_page.within(&rect);
+                    if wanted.is_empty() {
+                        pages.push((page_rect(layout, &key_of(place)), page));
+                    } else {
+                        stale = stale.bounds_with(&wanted);
+                        partly_stale.push((key_of(place), page, of_page));
+                    }
                 }
                 None => missing.push(place),
             }
@@ -349,15 +355,17 @@ impl Compositor {
                 if stale.is_empty() { Plane::constant(stale, 0.0) } else { work_out(self, look, stale)? };
             // Pages that no one else has are changed where they are.
             partly_stale.iter().for_each(|(key, ..)| self.cache.drop_page(key));
-            let patched = partly_stale.into_par_iter().map(|(key, page, of_page)| {
-                let mut page = Arc::unwrap_or_clone(page);
-                patch(&mut page, page_rect(layout, &key), &of_page.intersection(&bounds), &made);
-                (key, Arc::new(page))
+            let patched = partly_stale.into_par_iter().map(|(key, page, mut of_page)| {
+                let (mut page, of_terrain) = (Arc::unwrap_or_clone(page), page_rect(layout, &key));
+                patch(&mut page, of_terrain, &stale.intersection(&of_terrain), &made);
+                of_page.remove(&stale);
+                (key, Arc::new(page), of_page)
             });
-            for (key, page) in patched.collect::<Vec<_>>() {
+            for (key, page, still_stale) in patched.collect::<Vec<_>>() {
                 pages.push((page_rect(layout, &key), Arc::clone(&page)));
-                self.cache.put(key, page);
+                self.cache.put(key, page, still_stale);
             }
+            self.give_back(made);
         }
         while let Some((first_x, first_z)) = missing.first().copied() {
             // A block of pages side by side, as far as they are missing.
@@ -377,10 +385,22 @@ impl Compositor {
                 if block.contains(&place) {
                     pages.push((of_page, Arc::clone(&page)));
                 }
-                self.cache.put(key, page);
+                self.cache.put(key, page, Stale::default());
             }
         }
         Ok(Samples::Pages { pages, constant: 0.0 })
+    }
+
+    /// A plane whose values are to be written.
+    fn plane(&mut self, rect: SampleRect) -> Plane {
+        self.executor.as_mut().map_or_else(|| Plane::constant(rect, 0.0), |executor| executor.plane(rect))
+    }
+
+    /// Takes the memory of a plane that is no longer needed.
+    fn give_back(&mut self, plane: Plane) {
+        if let Some(executor) = &mut self.executor {
+            executor.give_back(plane);
+        }
     }
 
     fn executor(&mut self, layout: PageLayout) -> Result<&mut dyn Executor> {

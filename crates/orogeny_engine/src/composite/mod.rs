@@ -16,6 +16,7 @@ mod node;
 mod pages;
 mod rows;
 mod samples;
+mod stale;
 mod summary;
 mod weights;
 

@@ -63,11 +63,16 @@ impl Samples {
         buffer
     }
 
+    /// Its memory, where that is a plane.
+    pub(super) fn into_plane_there(self) -> Option<Plane> {
+        if let Self::Plane(plane) = self { Some(plane) } else { None }
+    }
+
     /// All of a rectangle, as a plane of it alone.
     pub(super) fn into_plane(self, rect: SampleRect) -> Plane {
         match self {
             Self::Plane(plane) if plane.rect() == rect => plane,
-            samples => joined(&samples, &[], rect),
+            samples => joined(&samples, &[], Plane::constant(rect, 0.0)),
         }
     }
 }
@@ -94,6 +99,12 @@ impl Part {
             Weights::Plane(plane) => plane.size_in_bytes(),
         };
         self.heights.size_in_bytes() + of_weights
+    }
+
+    /// The memory of its planes.
+    pub(super) fn into_planes(self) -> impl Iterator<Item = Plane> {
+        let weights = if let Weights::Plane(plane) = self.weights { Some(plane) } else { None };
+        self.heights.into_plane_there().into_iter().chain(weights)
     }
 
     /// Joins a row to what is below it.
@@ -125,9 +136,9 @@ impl Part {
     }
 }
 
-/// Layers joined, from the lowest, to what is below them, over a rectangle.
-pub(super) fn joined(below: &Samples, parts: &[Part], rect: SampleRect) -> Plane {
-    let mut plane = Plane::constant(rect, 0.0);
+/// Layers joined, from the lowest, to what is below them, over the rectangle of a plane, whatever it holds.
+pub(super) fn joined(below: &Samples, parts: &[Part], mut plane: Plane) -> Plane {
+    let rect = plane.rect();
     let rows = plane.samples_mut().par_chunks_mut(rect.width().max(1) as usize);
     rows.zip((rect.z0..rect.z1).into_par_iter()).with_min_len(MIN_ROWS).for_each_init(
         || [const { Vec::new() }; 3],
