@@ -16,7 +16,7 @@ const AROUND: i32 = 2;
 
 /// A rectangle of a stored field, as it lies on the terrain at the level that is looked at.
 pub(crate) fn stored(look: &mut Look<'_>, stored: &Stored, rect: SampleRect) -> Result<Plane> {
-    Ok(samples(look, stored, rect)?.into_plane(rect))
+    Ok(samples(look, stored, rect)?.into_plane(look.layout, rect))
 }
 
 /// The same where it lies; the pages of a large rectangle are not held all at once.

@@ -200,12 +200,16 @@ impl Compositor {
             size_in_bytes += part.size_in_bytes();
             parts.push(part);
             if size_in_bytes > MAX_JOINED_BYTES {
-                below = Samples::Plane(joined(&below, &parts, self.plane(rect)));
+                below = Samples::Plane(joined(&below, &parts, look.layout, self.plane(rect)));
                 parts.clear();
                 size_in_bytes = 0;
             }
         }
-        Ok(if parts.is_empty() { below.into_plane(rect) } else { joined(&below, &parts, self.plane(rect)) })
+        Ok(if parts.is_empty() {
+            below.into_plane(look.layout, rect)
+        } else {
+            joined(&below, &parts, look.layout, self.plane(rect))
+        })
     }
 
     /// What a layer alone is made of, in a rectangle; of an effect what it makes of what is below.
@@ -262,7 +266,7 @@ impl Compositor {
                 }
             };
             if node.blend == Blend::Laplacian {
-                let heights = heights.into_plane(inner);
+                let heights = heights.into_plane(look.layout, inner);
                 let weights = weights(look, this.executor(look.layout)?, node, Some(&plane), inner)?;
                 let planned = live::plan_blend(look, rect);
                 let planes = vec![(GROUND, &plane), (HEIGHTS, &heights), (WEIGHTS, &weights)];
@@ -278,7 +282,7 @@ impl Compositor {
                 Weights::Plane(weights(look, this.executor(look.layout)?, node, Some(&plane), rect)?)
             };
             let (below, part) = (Samples::Plane(plane), Part { heights, weights, blend: node.blend });
-            let joined = joined(&below, std::slice::from_ref(&part), this.plane(rect));
+            let joined = joined(&below, std::slice::from_ref(&part), look.layout, this.plane(rect));
             part.into_planes().chain(below.into_plane_there()).for_each(|plane| this.give_back(plane));
             Ok(joined)
         })
@@ -433,6 +437,13 @@ fn halo(look: &mut Look<'_>, node: &Node) -> Result<i32> {
         Content::Heights(_) | Content::Kept(_) => 0,
     };
     Ok(blend + content.max(weights::halo(look, node)?))
+}
+
+/// How far around what a brush makes of layers, with all that these look at themselves, it depends on samples, at most.
+pub(crate) fn reach(look: &mut Look<'_>, below: &[Node], live: &Live) -> Result<i32> {
+    let own = live::plan(look, live, SampleRect::new(0, 0, 1, 1))?.map_or(0, |planned| planned.halo());
+    let mut barriers = below.iter().filter(|node| node.is_barrier()).map(|node| halo(look, node));
+    barriers.try_fold(own, |reach, halo| Ok(reach + halo?))
 }
 
 /// Samples of a field that were changed, at full resolution.

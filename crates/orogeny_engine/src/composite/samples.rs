@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use orogeny_field::{Blend, Page, Plane, SampleRect};
+use orogeny_field::{Blend, Page, PageLayout, Plane, SampleRect};
 use orogeny_reference::field::compose;
 use orogeny_reference::field::compose::combine_row;
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::content::row_part;
 
 /// Rows that a thread takes at once.
-const MIN_ROWS: usize = 16;
+const BAND_ROWS: usize = 32;
 
 /// The samples of a rectangle.
 pub(super) enum Samples {
@@ -69,10 +69,10 @@ impl Samples {
     }
 
     /// All of a rectangle, as a plane of it alone.
-    pub(super) fn into_plane(self, rect: SampleRect) -> Plane {
+    pub(super) fn into_plane(self, layout: PageLayout, rect: SampleRect) -> Plane {
         match self {
             Self::Plane(plane) if plane.rect() == rect => plane,
-            samples => joined(&samples, &[], Plane::constant(rect, 0.0)),
+            samples => joined(&samples, &[], layout, Plane::constant(rect, 0.0)),
         }
     }
 }
@@ -137,19 +137,32 @@ impl Part {
 }
 
 /// Layers joined, from the lowest, to what is below them, over the rectangle of a plane, whatever it holds.
-pub(super) fn joined(below: &Samples, parts: &[Part], mut plane: Plane) -> Plane {
-    let rect = plane.rect();
-    let rows = plane.samples_mut().par_chunks_mut(rect.width().max(1) as usize);
-    rows.zip((rect.z0..rect.z1).into_par_iter()).with_min_len(MIN_ROWS).for_each_init(
+///
+/// Page by page, row by row, layer by layer: so a row of a layer is one piece of memory, and only one page of each is read at a time.
+pub(super) fn joined(below: &Samples, parts: &[Part], layout: PageLayout, mut plane: Plane) -> Plane {
+    let (rect, side) = (plane.rect(), layout.size().cast_signed());
+    let width = rect.width().max(1) as usize;
+    let bands = plane.samples_mut().par_chunks_mut(width * BAND_ROWS).enumerate();
+    bands.for_each_init(
         || [const { Vec::new() }; 3],
-        |buffers, (row, z)| {
-            let [buffer, ..] = buffers;
-            let below = below.row(z, rect.x0, rect.x1, buffer);
-            if below.len() == row.len() {
-                row.copy_from_slice(below);
-            }
-            for part in parts {
-                part.join(row, [rect.x0, z], buffers);
+        |buffers, (number, band)| {
+            let first_z = rect.z0 + (number * BAND_ROWS) as i32;
+            let mut x = rect.x0;
+            while x < rect.x1 {
+                let end = (x.div_euclid(side) * side).saturating_add(side).min(rect.x1);
+                let columns = x.abs_diff(rect.x0) as usize..end.abs_diff(rect.x0) as usize;
+                for (z, row) in (first_z..).zip(band.chunks_mut(width)) {
+                    let Some(row) = row.get_mut(columns.clone()) else { continue };
+                    let [buffer, ..] = buffers;
+                    let below = below.row(z, x, end, buffer);
+                    if below.len() == row.len() {
+                        row.copy_from_slice(below);
+                    }
+                    for part in parts {
+                        part.join(row, [x, z], buffers);
+                    }
+                }
+                x = end;
             }
         },
     );
