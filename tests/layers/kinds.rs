@@ -211,7 +211,7 @@ fn heights_told_of_the_terrain_are_those_of_all_of_it() {
 #[test]
 fn a_reader_beside_the_writer_keeps_nothing_stale() {
     let mut site = rich::site();
-    let reader = afresh(&site.path);
+    let mut reader = afresh(&site.path);
     let here_m = rich::MIDDLE_M;
     let strokes = [
         dab("Base", "heights", "raise", 900.0, here_m),
@@ -223,6 +223,8 @@ fn a_reader_beside_the_writer_keeps_nothing_stale() {
     for stroke in &strokes {
         let before = composite(&reader, 0);
         site.apply_one(stroke);
+        assert_same(&before, &composite(&reader, 0), "what the reader has not looked for yet");
+        reader.refresh().unwrap();
         for level in [1, 0] {
             let found = composite(&reader, level);
             assert_same(&composite(&site.terrain, level), &found, &format!("{stroke} at level {level}"));
@@ -230,6 +232,7 @@ fn a_reader_beside_the_writer_keeps_nothing_stale() {
         assert_differs(&before, &composite(&reader, 0), &stroke.to_string());
     }
     site.terrain.undo(3).unwrap();
+    reader.refresh().unwrap();
     for (place, layer) in site.layers().iter().enumerate() {
         let mask = ExportSource::Mask(LayerReference::Id(layer.id));
         let found = read(&reader, &mask, None, 0);

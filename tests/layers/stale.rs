@@ -49,6 +49,8 @@ fn what_is_changed_below_makes_it_stale_and_nothing_else_does() {
         (true, raise("Base", HERE_M)),
         (true, raise("Below", HERE_M)),
         (true, raise("Inside", HERE_M)),
+        // In the next page, which the region does not reach, but what the effect looks at does.
+        (true, raise("Base", [2000.0, 5600.0])),
         (true, dab("Below", "mask", "erase_mask", 400.0, HERE_M)),
         (true, set("Below", "opacity", json!(0.5))),
         (true, set("Below", "visible", json!(false))),

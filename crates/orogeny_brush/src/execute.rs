@@ -1,6 +1,6 @@
 //! What carries out batches.
 
-use orogeny_field::PageKey;
+use orogeny_field::{FieldId, PageKey, Plane, SampleRect};
 use orogeny_pages::PageStore;
 
 use crate::Result;
@@ -48,6 +48,31 @@ pub trait Executor: Send {
     /// # Errors
     /// As [`run`](Self::run); [`crate::Error::Interrupted`] where it is not to go on.
     fn run_watched(&mut self, batch: &Batch, store: &mut dyn PageStore, watch: Watch<'_>) -> Result<()>;
+
+    /// What a batch makes of a rectangle of ground in memory, which with all other fields that it looks at is among `fields`, as far
+    /// as it looks. Nothing becomes resident, no operation is begun, and nothing is noticed. `None` where this back end can only do it over pages.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    fn run_over_planes(
+        &mut self,
+        batch: &Batch,
+        fields: &[(FieldId, &Plane)],
+        rect: SampleRect,
+    ) -> Result<Option<Plane>> {
+        _ = (batch, fields, rect);
+        Ok(None)
+    }
+
+    /// A plane whose values are to be written: of memory that was [given back](Self::give_back), where there is any.
+    fn plane(&mut self, rect: SampleRect) -> Plane {
+        Plane::constant(rect, 0.0)
+    }
+
+    /// Takes the memory of a plane that is no longer needed, and keeps it as far as its budget goes.
+    fn give_back(&mut self, plane: Plane) {
+        drop(plane);
+    }
 
     /// Saves what the operation has changed so far, to be looked at, and lets it go on.
     ///

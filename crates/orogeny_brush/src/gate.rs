@@ -16,6 +16,9 @@ use rayon::prelude::*;
 use crate::pattern::Pattern;
 use crate::{Error, Result};
 
+/// Rows that a thread takes at once.
+const MIN_ROWS: usize = 16;
+
 /// A gate with all that it needs of the terrain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GatePlan {
@@ -80,16 +83,17 @@ impl GatePlan {
         Ok(inputs.par_iter().map(page).collect())
     }
 
-    /// The weights of a rectangle over planes in memory: heights with one sample more about it, as far as the terrain goes, and the
+    /// The weights of the rectangle of a plane, whatever it holds, over planes in memory: heights with one sample more about it, as far as the terrain goes, and the
     /// selection, each where the gate looks at it.
     #[must_use]
     pub fn plane(
         &self,
         layout: PageLayout,
-        rect: SampleRect,
+        mut plane: Plane,
         heights: Option<&Plane>,
         selection: Option<&Plane>,
     ) -> Plane {
+        let rect = plane.rect();
         let patterns: Vec<(SampleRect, Pattern)> = match &self.noise {
             Some((kernel, frame, _)) => {
                 let pages: Vec<_> = layout.pages_in(rect).collect();
@@ -104,9 +108,10 @@ impl GatePlan {
             None => Vec::new(),
         };
         let heights = heights.filter(|_| self.gate.needs_heights());
-        let mut plane = Plane::constant(rect, 1.0);
         let rows = plane.samples_mut().par_chunks_mut(rect.width().max(1) as usize);
-        rows.zip((rect.z0..rect.z1).into_par_iter()).for_each(|(weights, z)| {
+        let rows = rows.zip((rect.z0..rect.z1).into_par_iter()).with_min_len(MIN_ROWS);
+        rows.for_each(|(weights, z)| {
+            weights.fill(1.0);
             if let Some(heights) = heights {
                 let [north, here, south] = [z - 1, z, z + 1].map(|z| self.row_around(heights, z, &rect));
                 let (north, here, south) = (&north, &here, &south);
@@ -284,9 +289,10 @@ mod tests {
         let gate = Gate { image, ..Gate::default() };
         let plan = GatePlan::new(&gate, grid, FieldId(0), FieldId(0), Some(bitmap)).unwrap();
         let layout = PageLayout::new(64).unwrap();
-        let whole = plan.plane(layout, grid.bounds(), None, None);
+        let weights = |rect| plan.plane(layout, Plane::constant(rect, f32::NAN), None, None);
+        let whole = weights(grid.bounds());
         for (x0, z0) in (0..120).map(|x0| (x0, 60 + x0 % 30)) {
-            let part = plan.plane(layout, SampleRect::new(x0, z0, 300, 90), None, None);
+            let part = weights(SampleRect::new(x0, z0, 300, 90));
             for z in z0..90 {
                 for x in x0..300 {
                     let [a, b] = [&part, &whole].map(|plane| plane.at(x, z).unwrap().to_bits());

@@ -71,7 +71,17 @@ impl Access {
     }
 
     pub(crate) fn reading(path: &Path) -> Result<Self> {
-        Ok(Self::Read(up_to_date(path, Store::open_to_read)?))
+        let mut store = up_to_date(path, Store::open_to_read)?;
+        store.hold()?;
+        Ok(Self::Read(store))
+    }
+
+    /// Lets a reader show what was committed last; a writer does so anyway.
+    pub(crate) fn refresh(&mut self) -> Result<()> {
+        match self {
+            Self::Write(_) => Ok(()),
+            Self::Read(store) => Ok(store.hold()?),
+        }
     }
 
     /// The terrain as it is, once everything that is finished is on disk.

@@ -220,6 +220,9 @@ fn apply_all(
         let (number, count) = (index + 1, operations.len());
         let brush = operation.brush().map_or("", |brush| brush.brush_type.name());
         tracing::info!("operation {number} of {count}: {} {brush}", operation.name());
+        if number == count {
+            recording.wait_for_look();
+        }
         let one = match operation {
             Operation::Brush(operation) => apply_brush(operation, author, site, recording),
             Operation::Layers(operation) => apply_layers(operation, author, site, recording),

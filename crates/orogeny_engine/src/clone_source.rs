@@ -109,7 +109,6 @@ fn cut_out(operation: &BrushOperation, brush: &Brush, grid: &TerrainGrid, file: 
     if is_terrain {
         let access = Access::reading(file)?;
         let store = access.settled()?;
-        let _unchanging = store.snapshot()?;
         let spacing_m = brush.cloning.source.spacing_m.unwrap_or_else(|| store.grid().spacing_m());
         let bounds = store.grid().bounds();
         let rect = needed(operation, brush, grid, spacing_m, &bounds, file)?;

@@ -168,7 +168,6 @@ impl Terrain {
     /// [`crate::Error::Store`] when a page cannot be read; [`crate::Error::Cancelled`].
     pub fn height_statistics(&self, observer: &mut dyn Observer) -> Result<HeightStatistics> {
         let bounds = self.grid().bounds();
-        let _unchanging = self.settled()?.snapshot()?;
         let painted = self.painted_rects(0, bounds)?;
         let (mut min_m, mut max_m, mut sum_m) = (f32::INFINITY, f32::NEG_INFINITY, 0.0_f64);
         let mut num_samples = 0;

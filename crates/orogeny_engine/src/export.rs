@@ -81,7 +81,6 @@ impl Terrain {
         options.spacing_m.get_or_insert(self.grid().spacing_m() * f64::from(1_u32 << level));
         let (width, depth) = (rect.width(), rect.depth());
         let mut file = orogeny_formats::create(&request.file, &options, width, depth)?;
-        let _unchanging = self.settled()?.snapshot()?;
         let mut composite = self.composite(source, level, rect)?;
         let mut row = vec![0.0; width as usize];
         let mut num_rows = 0;
@@ -108,6 +107,7 @@ impl Terrain {
         let rect = self.region_at(region_m, level)?;
         let source = self.source(source)?;
         if let (0, Access::Write(recorder)) = (level, self.access()) {
+            let _first = recorder.give_way();
             let mut pages = RecorderPages(recorder);
             let mut look = Look::new(self.grid(), level, &mut pages)?;
             let layers = recorder.on_disk()?.layers();

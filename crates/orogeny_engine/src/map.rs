@@ -79,7 +79,6 @@ impl Terrain {
         check_size(request.size_px)?;
         let [width, height] = request.size_px;
         let rect = self.region(request.region_m)?;
-        let _unchanging = self.settled()?.snapshot()?;
         let samples_per_px = rect.width().div_ceil(width).max(rect.depth().div_ceil(height));
         let (ground, level, damaged) = self.mean_heights(rect, samples_per_px, observer)?;
         let range_m = request.range_m.unwrap_or_else(|| ground.range_m());

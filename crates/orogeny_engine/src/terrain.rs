@@ -64,12 +64,25 @@ impl Terrain {
         Self::writing(open_to_write(path)?, settings)
     }
 
-    /// Opens a terrain for reading, beside whoever writes it: it shows what was last committed.
+    /// Opens a terrain for reading, beside whoever writes it: it shows what was last committed then, or when it was
+    /// [refreshed](Self::refresh), and keeps a writer beside it from moving its log into the file.
     ///
     /// # Errors
     /// [`Error::Store`] when the file is not there, is no terrain, is damaged or comes from a newer version.
     pub fn open_to_read(path: &Path, settings: Settings) -> Result<Self> {
         Self::of(Access::reading(path)?, settings)
+    }
+
+    /// Lets a terrain that is open for reading show what was committed last: its layers, its pages and its history, of one state. One that
+    /// is open for writing does so anyway.
+    ///
+    /// # Errors
+    /// [`Error::Store`] when the file cannot be read. The terrain can then only be closed, or refreshed again.
+    pub fn refresh(&mut self) -> Result<()> {
+        if let Access::Read(_) = self.access {
+            self.compositor.get_mut().forget_results();
+        }
+        self.access.refresh()
     }
 
     fn writing(store: Store, settings: Settings) -> Result<Self> {
@@ -261,16 +274,7 @@ impl Terrain {
     pub(crate) fn composite(&self, source: Source, level: u8, rect: SampleRect) -> Result<Composite<'_>> {
         let max_band_bytes = band_bytes(self.settings.page_budget_in_bytes);
         let store = self.settled()?;
-        self.look_again()?;
         Ok(Composite::new(store, &self.compositor, source, level, rect, max_band_bytes))
-    }
-
-    /// Of a terrain that is open for reading: forgets what was worked out before another program's last commit.
-    pub(crate) fn look_again(&self) -> Result<()> {
-        if let Access::Read(store) = &self.access {
-            self.compositor.borrow_mut().at_commit(store.num_commits()?);
-        }
-        Ok(())
     }
 
     pub(crate) const fn access(&self) -> &Access {

@@ -1,6 +1,7 @@
 //! What a gate lets through at each sample of a row, 0..1: the product of its bands over slope, height, aspect and curvature of
 //! the ground. Derivatives are central differences; curvature is `-(H_xx + H_zz) / 2`.
 
+use multiversion::multiversion;
 use orogeny_field::{AspectGate, Band, Bitmap, Gate};
 
 use crate::store::lerp;
@@ -18,32 +19,76 @@ pub struct Ground<'a> {
     pub spacing_m: f64,
 }
 
+/// Samples of a row that are worked at once: what is known of them stays in the first-level cache.
+const CHUNK: usize = 128;
+
 /// Multiplies a row of weights by what a gate makes of the ground.
 pub fn multiply_by_ground(weights: &mut [f32], gate: &Gate, ground: &Ground<'_>) {
-    let slope = gate.slope_deg.as_ref().map(SlopeBand::new);
-    let rows = ground.here.windows(3).zip(ground.north.iter().skip(1).zip(ground.south.iter().skip(1)));
-    for (weight, (here, (north, south))) in weights.iter_mut().zip(rows) {
-        let &[west, centre, east] = here else { continue };
-        let [west, centre, east] = [west, centre, east].map(f64::from);
-        let (north, south) = (f64::from(*north), f64::from(*south));
-        let slope_x = (east - west) / (2.0 * ground.spacing_m);
-        let slope_z = (south - north) / (2.0 * ground.spacing_m);
-        let mut through = 1.0;
-        if let Some(band) = &gate.height_m {
-            through *= within(centre, band);
-        }
-        if let Some(band) = &slope {
-            through *= band.through(slope_x, slope_z);
-        }
-        if let Some(aspect) = &gate.aspect {
-            through *= facing([-slope_x, -slope_z], aspect);
-        }
-        if let Some(band) = &gate.curvature_per_km {
-            let bend = (west + east + north + south - 4.0 * centre) / (ground.spacing_m * ground.spacing_m);
-            through *= within(-500.0 * bend, band);
-        }
-        *weight *= through as f32;
+    for (number, weights) in weights.chunks_mut(CHUNK).enumerate() {
+        // With the samples at either end.
+        let first = number * CHUNK;
+        let part = first..first + weights.len() + 2;
+        let rows = [ground.north, ground.here, ground.south].map(|row| row.get(part.clone()));
+        let [Some(north), Some(here), Some(south)] = rows else { continue };
+        multiply_chunk(weights, gate, &Ground { north, here, south, ..*ground });
     }
+}
+
+/// The same for at most [`CHUNK`] samples: band after band, each a loop that vectorises.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
+fn multiply_chunk(weights: &mut [f32], gate: &Gate, ground: &Ground<'_>) {
+    let Ground { north, here, south, spacing_m } = *ground;
+    let num_samples = weights.len();
+    let mut through = [1.0_f64; CHUNK];
+    let Some(through) = through.get_mut(..num_samples) else { return };
+    let across =
+        || {
+            part(here, num_samples, 2)
+                .zip(part(here, num_samples, 0))
+                .zip(part(south, num_samples, 1).zip(part(north, num_samples, 1)))
+        };
+    let per_m = 1.0 / (2.0 * spacing_m);
+    let slopes = |((east, west), (south, north)): ((&f32, &f32), (&f32, &f32))| {
+        let along = |after: f32, before: f32| (f64::from(after) - f64::from(before)) * per_m;
+        [along(*east, *west), along(*south, *north)]
+    };
+    if let Some(band) = &gate.height_m {
+        for (through, centre) in through.iter_mut().zip(part(here, num_samples, 1)) {
+            *through *= within(f64::from(*centre), band);
+        }
+    }
+    if let Some(band) = &gate.slope_deg {
+        for (through, around) in through.iter_mut().zip(across()) {
+            let [slope_x, slope_z] = slopes(around);
+            let steepness = (slope_x * slope_x + slope_z * slope_z).sqrt();
+            *through *= within(arctangent(steepness).to_degrees(), band);
+        }
+    }
+    if let Some(aspect) = &gate.aspect {
+        for (through, around) in through.iter_mut().zip(across()) {
+            let [slope_x, slope_z] = slopes(around);
+            *through *= facing([-slope_x, -slope_z], aspect);
+        }
+    }
+    if let Some(band) = &gate.curvature_per_km {
+        for ((through, centre), ((east, west), (south, north))) in
+            through.iter_mut().zip(part(here, num_samples, 1)).zip(across())
+        {
+            let [west, centre, east] = [west, centre, east].map(|height| f64::from(*height));
+            let (north, south) = (f64::from(*north), f64::from(*south));
+            let bend = (west + east + north + south - 4.0 * centre) / (spacing_m * spacing_m);
+            *through *= within(-500.0 * bend, band);
+        }
+    }
+    for (weight, through) in weights.iter_mut().zip(through) {
+        *weight *= *through as f32;
+    }
+}
+
+/// So many samples of a row from one on.
+#[inline(always)]
+fn part(row: &[f32], num_samples: usize, first: usize) -> std::slice::Iter<'_, f32> {
+    row.get(first..first + num_samples).unwrap_or_default().iter()
 }
 
 /// Multiplies a row of weights by what a band lets through of other values, such as a noise.
@@ -86,55 +131,52 @@ pub fn invert(weights: &mut [f32]) {
 }
 
 /// 1 within a band, 0 further than its feather outside, a smooth step between.
+#[inline(always)]
 #[must_use]
 pub fn within(value: f64, band: &Band) -> f64 {
     let outside = (band.min - value).max(value - band.max).max(0.0);
+    // Worked out whether it is asked for or not, which vectorises.
+    let t = 1.0 - outside / band.feather;
+    let step = t * t * (3.0 - 2.0 * t);
     if outside <= 0.0 {
         1.0
     } else if outside >= band.feather {
         0.0
     } else {
-        let t = 1.0 - outside / band.feather;
-        t * t * (3.0 - 2.0 * t)
+        step
     }
 }
 
-/// A band over slopes in degrees, with what of it needs no angle: squares of tangents, a little inside the band's ends and a little outside
-/// its feathers, so that what is certain is what the angle itself would give.
-struct SlopeBand<'a> {
-    band: &'a Band,
-    within: [f64; 2],
-    beyond: [f64; 2],
-}
-
-impl<'a> SlopeBand<'a> {
-    fn new(band: &'a Band) -> Self {
-        const MARGIN: f64 = 1.0e-9;
-        let squared = |degrees: f64| match degrees {
-            ..=0.0 => 0.0,
-            90.0.. => f64::INFINITY,
-            degrees => degrees.to_radians().tan().powi(2),
-        };
-        let ends = |feather: f64, margin: f64| {
-            let low = squared(band.min - feather) * (1.0 + margin);
-            // Level ground is steep by nothing at all.
-            let low = if band.min - feather <= 0.0 { -1.0 } else { low };
-            [low, squared(band.max + feather) * (1.0 - margin)]
-        };
-        Self { band, within: ends(0.0, MARGIN), beyond: ends(band.feather, -MARGIN) }
-    }
-
-    fn through(&self, slope_x: f64, slope_z: f64) -> f64 {
-        let squared = slope_x * slope_x + slope_z * slope_z;
-        let ([low, high], [lowest, highest]) = (self.within, self.beyond);
-        if squared > low && squared < high {
-            1.0
-        } else if squared < lowest || squared > highest {
-            0.0
-        } else {
-            within(slope_x.hypot(slope_z).atan().to_degrees(), self.band)
-        }
-    }
+/// The angle in radians whose tangent is `tangent`, at least 0: a rational function of what is left by 45 or 90 degrees (Cephes), which
+/// vectorises. Within 4 units in the last place; 0 is exact.
+#[inline(always)]
+fn arctangent(tangent: f64) -> f64 {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+    const ABOVE: [f64; 5] = [
+        -8.750_608_600_031_904e-1,
+        -1.615_753_718_733_365e1,
+        -7.500_855_792_314_705e1,
+        -1.228_866_684_490_136_2e2,
+        -6.485_021_904_942_025e1,
+    ];
+    const BELOW: [f64; 6] = [
+        1.0,
+        2.485_846_490_142_306_3e1,
+        1.650_270_098_316_988_5e2,
+        4.328_810_604_912_903e2,
+        4.853_903_996_359_137e2,
+        1.945_506_571_482_614e2,
+    ];
+    let (is_steep, is_level) = (tangent > 2.414_213_562_373_095, tangent <= 0.66);
+    let (angle, above, below) = match (is_steep, is_level) {
+        (true, _) => (FRAC_PI_2, -1.0, tangent),
+        (_, true) => (0.0, tangent, 1.0),
+        _ => (FRAC_PI_4, tangent - 1.0, tangent + 1.0),
+    };
+    let rest = above / below;
+    let squared = rest * rest;
+    let of = |terms: &[f64]| terms.iter().fold(0.0, |sum, term| sum * squared + term);
+    angle + (rest + rest * (squared * of(&ABOVE) / of(&BELOW)))
 }
 
 /// How far a way down the ground is one that an aspect lets through; level ground faces nowhere.
@@ -202,22 +244,17 @@ mod tests {
     }
 
     #[test]
-    fn slopes_that_need_no_angle_are_what_the_angle_gives() {
-        for (min, max, feather) in
-            [(0.0, 30.0, 0.0), (20.0, 45.0, 5.0), (3.0, 90.0, 4.0), (-5.0, 100.0, 1.0), (10.0, 10.0, 0.0)]
-        {
-            let band = Band { min, max, feather };
-            let fast = SlopeBand::new(&band);
-            for step in 0..4000 {
-                let (slope_x, slope_z) = (f64::from(step) * 0.0007, f64::from(step % 37) * 0.01 - 0.2);
-                let angle = slope_x.hypot(slope_z).atan().to_degrees();
-                assert_eq!(fast.through(slope_x, slope_z), within(angle, &band), "{angle} in {band:?}");
-            }
-            for degrees in [min, max, min - feather, max + feather] {
-                let slope = degrees.clamp(0.0, 89.9).to_radians().tan();
-                assert_eq!(fast.through(slope, 0.0), within(slope.atan().to_degrees(), &band), "{degrees}");
-            }
+    fn arctangents_are_those_of_the_standard_library() {
+        assert_eq!(arctangent(0.0), 0.0);
+        for step in 0..40_000 {
+            let tangent = (f64::from(step) * 1.0e-3 - 20.0).exp2();
+            let (found, expected) = (arctangent(tangent), tangent.atan());
+            assert!(
+                (found - expected).abs() <= 4.0 * f64::EPSILON * expected,
+                "{tangent}: {found}, {expected}"
+            );
         }
+        assert_eq!(arctangent(f64::INFINITY), std::f64::consts::FRAC_PI_2);
     }
 
     #[test]

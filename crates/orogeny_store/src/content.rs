@@ -98,9 +98,13 @@ pub(crate) fn contents(
             },
         });
     }
+    let pace = &*db.pace;
     let decode = |found| match found {
         Found::Here(content) => Ok(Some(content)),
-        Found::Row(row) => row.map(|row| decode_page(layout, &row)).transpose(),
+        Found::Row(row) => {
+            pace.wait();
+            row.map(|row| decode_page(layout, &row)).transpose()
+        }
         Found::Damaged(err) => Err(err),
     };
     let contents: Vec<_> = found.into_par_iter().map(decode).collect();

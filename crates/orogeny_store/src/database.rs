@@ -5,11 +5,13 @@
 
 use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rusqlite::config::DbConfig;
 use rusqlite::{CachedStatement, Connection, OpenFlags};
 
 use crate::cache::PageCache;
+use crate::pace::Pace;
 use crate::{Error, Result, format};
 
 /// An open terrain file.
@@ -20,6 +22,8 @@ pub(crate) struct Database {
     /// Pages as they are, decoded. Only a writer keeps any: to a reader they may change at any time.
     pub(crate) cache: RefCell<PageCache>,
     is_writer: bool,
+    /// Asked before each page that is coded or written.
+    pub(crate) pace: Arc<Pace>,
 }
 
 /// What a store has asked of its database since it was opened.
@@ -166,7 +170,8 @@ impl Database {
 
     fn new(conn: Connection, path: &Path) -> Result<Self> {
         let (counters, cache) = (Counting::default(), RefCell::default());
-        let db = Self { conn, path: path.to_owned(), counters, cache, is_writer: false };
+        let db =
+            Self { conn, path: path.to_owned(), counters, cache, is_writer: false, pace: Arc::default() };
         db.conn.busy_timeout(format::BUSY_TIMEOUT).map_err(|err| db.fault(err))?;
         db.conn.set_prepared_statement_cache_capacity(64);
         Ok(db)
@@ -281,6 +286,15 @@ impl Database {
         result
     }
 
+    /// Reads the state that the file has now, and no other, until this is called again or the connection is closed.
+    pub(crate) fn hold(&self) -> Result<()> {
+        if !self.conn.is_autocommit() {
+            self.run("ROLLBACK")?;
+        }
+        // It begins with the first thing that is read.
+        self.run("BEGIN DEFERRED")
+    }
+
     /// Runs `work` over one unchanging state of the file.
     pub(crate) fn in_snapshot<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
         let _snapshot = Snapshot::new(self)?;
@@ -337,24 +351,18 @@ impl Database {
 }
 
 /// One unchanging state of the file, for as long as it is held.
-pub struct Snapshot<'store> {
-    /// `None` where one was held already, or a transaction is running.
+struct Snapshot<'store> {
+    /// `None` where one is held already, or a transaction is running.
     db: Option<&'store Database>,
 }
 
 impl<'store> Snapshot<'store> {
-    pub(crate) fn new(db: &'store Database) -> Result<Self> {
+    fn new(db: &'store Database) -> Result<Self> {
         if !db.conn.is_autocommit() {
             return Ok(Self { db: None });
         }
         db.run("BEGIN DEFERRED")?;
         Ok(Self { db: Some(db) })
-    }
-}
-
-impl std::fmt::Debug for Snapshot<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Snapshot").finish_non_exhaustive()
     }
 }
 

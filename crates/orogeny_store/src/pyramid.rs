@@ -107,9 +107,13 @@ pub(crate) fn refresh(
                 Ok((plane, gather(db, &plane, *key, *rect)?))
             };
             let materials = batch.iter().map(gather).collect::<Result<Vec<_>>>()?;
+            let pace = &*db.pace;
             let made = materials
                 .into_par_iter()
-                .map(|(plane, material)| material.make(&plane))
+                .map(|(plane, material)| {
+                    pace.wait();
+                    material.make(&plane)
+                })
                 .collect::<Result<Vec<_>>>()?;
             for made in made {
                 write(db, &made)?;

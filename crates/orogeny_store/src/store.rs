@@ -7,7 +7,7 @@ use std::time::SystemTime;
 
 use orogeny_field::{FieldId, HeightBounds, Page, PageKey, PageLayout, TerrainGrid};
 
-use crate::database::{Database, Snapshot};
+use crate::database::Database;
 use crate::error::unix_ms;
 use crate::head::{Head, LastCommit};
 use crate::rows::{Document, EntryRow};
@@ -30,7 +30,7 @@ pub struct NewTerrain {
 ///
 /// One store at a time has it open for writing, in this process or any other; any number may read beside it and see what
 /// was last committed. What a reader remembers of the terrain (its [`layers`](Self::layers)) is as of the last
-/// [`refresh`](Self::refresh) or opening.
+/// [`refresh`](Self::refresh) or opening, unless it [holds](Self::hold) a state, which its pages are of too.
 pub struct Store {
     pub(crate) db: Database,
     /// `None` for a reader. After the database, since it goes when that has closed and left no log.
@@ -304,12 +304,18 @@ impl Store {
         Transaction::start(self)
     }
 
-    /// Keeps what this store reads as it is now, until the answer is dropped: whatever a writer beside it commits.
+    /// Shows the terrain as it is now, layers and pages of one state, whatever a writer beside this reader commits, until it is called
+    /// again or the store is closed. The writer's log cannot be moved into the file meanwhile. A store that is open for writing has
+    /// no one beside it, and stays as it is.
     ///
     /// # Errors
-    /// When the file cannot be read.
-    pub fn snapshot(&self) -> Result<Snapshot<'_>> {
-        Snapshot::new(&self.db)
+    /// When the file cannot be read. The store can then only be closed, or hold what can be read again.
+    pub fn hold(&mut self) -> Result<()> {
+        if self.head.is_some() {
+            return Ok(());
+        }
+        self.db.hold()?;
+        self.refresh()
     }
 
     /// Looks again at what a writer may have changed.

@@ -401,15 +401,18 @@ impl<'store> Transaction<'store> {
             .map(|(key, content)| self.stored(key, content?))
             .collect::<Result<Vec<_>>>()?;
         let (entry, document, stack) = (self.entry, &self.document, &self.stack);
+        let pace = &*self.store.db.pace;
         let writes = batch
             .par_iter()
             .zip(stored)
             .map(|((key, page), stored)| {
+                pace.wait();
                 stored.plan(document, entry, *key, page.as_ref(), stack.constant(key))
             })
             .collect::<Result<Vec<_>>>()?;
         let db = &self.store.db;
         for (key, (write, rect)) in keys.into_iter().zip(writes) {
+            pace.wait();
             let mut cache = db.cache.borrow_mut();
             match write {
                 Write::Nothing => continue,

@@ -31,7 +31,14 @@ impl CpuExecutor {
             let mut goals = Vec::with_capacity(blocks.len());
             for block in blocks {
                 let given = |step: &Step, plane| self.given(step, plane, filter, batch, store);
-                goals.push(planes.work_out(&self.threads, &filter.graph, block.rect, given, watch)?);
+                goals.push(planes.work_out(
+                    &self.threads,
+                    &filter.graph,
+                    block.rect,
+                    |_| None,
+                    given,
+                    watch,
+                )?);
             }
             for (Block { pages, .. }, goal) in blocks.iter().zip(goals) {
                 self.apply(batch, pages, Some(&goal), store)?;

@@ -4,6 +4,7 @@
 //! of the tasks can change a bit.
 
 mod goals;
+mod over_planes;
 mod planes;
 mod steps;
 mod weights;
@@ -12,7 +13,7 @@ mod working_page;
 use std::collections::BTreeSet;
 
 use lru::LruCache;
-use orogeny_field::{Page, PageKey, PageLayout, Plane, WeightMode};
+use orogeny_field::{FieldId, Page, PageKey, PageLayout, Plane, SampleRect, WeightMode};
 use orogeny_pages::PageStore;
 use rayon::prelude::*;
 
@@ -249,6 +250,24 @@ impl Executor for CpuExecutor {
         self.save(store)?;
         self.end();
         Ok(std::mem::take(&mut self.notices))
+    }
+
+    fn run_over_planes(
+        &mut self,
+        batch: &Batch,
+        fields: &[(FieldId, &Plane)],
+        rect: SampleRect,
+    ) -> Result<Option<Plane>> {
+        self.over_planes(batch, fields, rect)
+    }
+
+    fn plane(&mut self, rect: SampleRect) -> Plane {
+        self.planes.memory(rect, 1)
+    }
+
+    fn give_back(&mut self, plane: Plane) {
+        self.planes.give_back(plane);
+        self.planes.shrink_to(self.room_in_bytes(0));
     }
 
     fn cancel(&mut self) {

@@ -14,12 +14,14 @@ pub(super) struct Planes {
 }
 
 impl Planes {
-    /// Works out the last plane of a graph over `target`; `given` fills those that are made of no other.
-    pub(super) fn work_out(
+    /// Works out the last plane of a graph over `target`; `given` fills those that are made of no other, but for those that are `there`
+    /// with all that is needed of them.
+    pub(super) fn work_out<'a>(
         &mut self,
         threads: &rayon::ThreadPool,
         graph: &Graph,
         target: SampleRect,
+        there: impl Fn(&Step) -> Option<&'a Plane>,
         mut given: impl FnMut(&Step, Plane) -> Result<Plane>,
         watch: Watch<'_>,
     ) -> Result<Plane> {
@@ -29,7 +31,7 @@ impl Planes {
             if !watch(place as f64 / rects.len() as f64) {
                 return Err(Error::Interrupted);
             }
-            if graph.is_passing(place) {
+            if graph.is_passing(place) || there(&node.step).is_some() {
                 planes.push(None);
                 continue;
             }
@@ -38,12 +40,18 @@ impl Planes {
             if graph.given_extent(place).is_some() {
                 plane = given(&node.step, plane)?;
             } else if !rect.is_empty() {
-                let sources = |node: &Node| -> Vec<_> {
-                    node.inputs.iter().filter_map(|input| source(graph, &planes, *input)).collect()
+                let made_of = passing.map_or(node, |(_, before)| before);
+                let plane_of = |input: usize| {
+                    let there = there(&graph.nodes().get(input)?.step);
+                    there.or_else(|| planes.get(input)?.as_ref())
                 };
+                let source = |input: &usize| {
+                    Some(Source { plane: plane_of(*input)?, mirrored_in: graph.given_extent(*input) })
+                };
+                let sources: Vec<_> = made_of.inputs.iter().filter_map(source).collect();
                 threads.install(|| match passing {
-                    Some((_, before)) => fill_through(&mut plane, &node.step, &before.step, &sources(before)),
-                    None => fill(&mut plane, &node.step, &sources(node), graph.extent()),
+                    Some((_, before)) => fill_through(&mut plane, &node.step, &before.step, &sources),
+                    None => fill(&mut plane, &node.step, &sources, graph.extent()),
                 });
             }
             planes.push(Some(plane));
@@ -84,7 +92,7 @@ impl Planes {
     }
 
     /// A plane whose values are to be written.
-    fn memory(&mut self, rect: SampleRect, num_channels: u32) -> Plane {
+    pub(super) fn memory(&mut self, rect: SampleRect, num_channels: u32) -> Plane {
         // The smallest that is large enough, else the largest.
         let size = rect.area() as usize * num_channels as usize;
         let is_better = |plane: &Plane| (plane.capacity() < size, plane.capacity().abs_diff(size));
@@ -101,11 +109,6 @@ impl Planes {
 fn passing<'a>(graph: &'a Graph, node: &Node) -> Option<(usize, &'a Node)> {
     let place = *node.inputs.first().filter(|place| graph.is_passing(**place))?;
     Some((place, graph.nodes().get(place)?))
-}
-
-fn source<'a>(graph: &Graph, planes: &'a [Option<Plane>], input: usize) -> Option<Source<'a>> {
-    let plane = planes.get(input)?.as_ref()?;
-    Some(Source { plane, mirrored_in: graph.given_extent(input) })
 }
 
 #[cfg(test)]
@@ -170,7 +173,7 @@ mod tests {
         // Memory that was used before, and is not what it should be.
         planes.give_back(Plane::constant(SampleRect::new(0, 0, 500, 500), f32::NAN));
         planes
-            .work_out(&threads, graph, target, |_, plane| Ok(part_of(ground, plane)), &mut |_| true)
+            .work_out(&threads, graph, target, |_| None, |_, plane| Ok(part_of(ground, plane)), &mut |_| true)
             .unwrap()
     }
 

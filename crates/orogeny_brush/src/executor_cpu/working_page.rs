@@ -10,7 +10,7 @@ use crate::pattern::Pattern;
 use crate::plan::{Batch, PageWork, Pass};
 
 /// Samples of a row that are worked at once: their amounts stay in the first-level cache.
-const ROW_CHUNK: usize = 256;
+pub(super) const ROW_CHUNK: usize = 256;
 
 /// A page during an operation.
 #[derive(Debug)]

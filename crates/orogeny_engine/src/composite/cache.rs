@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use orogeny_field::{Page, SampleRect};
 
+use super::stale::Stale;
+
 /// What a page holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Kind {
@@ -29,7 +31,7 @@ pub(super) struct CacheKey {
 struct Held {
     page: Arc<Page>,
     /// What of it is no longer true, in samples of its level.
-    stale: SampleRect,
+    stale: Stale,
     /// When it was last asked for.
     used: u64,
 }
@@ -53,17 +55,17 @@ impl Cache {
     }
 
     /// A page, and what of it is no longer true.
-    pub(super) fn get(&mut self, key: &CacheKey) -> Option<(Arc<Page>, SampleRect)> {
+    pub(super) fn get(&mut self, key: &CacheKey) -> Option<(Arc<Page>, Stale)> {
         self.clock += 1;
         let held = self.held.get_mut(key)?;
         held.used = self.clock;
-        Some((Arc::clone(&held.page), held.stale))
+        Some((Arc::clone(&held.page), held.stale.clone()))
     }
 
-    pub(super) fn put(&mut self, key: CacheKey, page: Arc<Page>) {
+    pub(super) fn put(&mut self, key: CacheKey, page: Arc<Page>, stale: Stale) {
         self.clock += 1;
         self.size_in_bytes += size_of_page(&page);
-        let held = Held { page, stale: SampleRect::EMPTY, used: self.clock };
+        let held = Held { page, stale, used: self.clock };
         if let Some(before) = self.held.insert(key, held) {
             self.size_in_bytes -= size_of_page(&before.page);
         }
@@ -86,7 +88,7 @@ impl Cache {
         }
     }
 
-    fn drop_page(&mut self, key: &CacheKey) {
+    pub(super) fn drop_page(&mut self, key: &CacheKey) {
         if let Some(held) = self.held.remove(key) {
             self.size_in_bytes -= size_of_page(&held.page);
         }
@@ -95,10 +97,7 @@ impl Cache {
     /// Notes what of pages is no longer true: `stale_of` gives a rectangle that the part of the page lies within, empty for none.
     pub(super) fn note_stale(&mut self, stale_of: impl Fn(&CacheKey) -> SampleRect) {
         for (key, held) in &mut self.held {
-            let stale = stale_of(key);
-            if !stale.is_empty() {
-                held.stale = held.stale.bounds_with(&stale);
-            }
+            held.stale.add(stale_of(key));
         }
     }
 
@@ -125,18 +124,18 @@ mod tests {
         let mut cache = Cache::new(8 * layout.size_in_bytes());
         let key = |x| CacheKey { layer: 1, kind: Kind::Result, level: 0, z: 0, x };
         for x in 0..8 {
-            cache.put(key(x), page());
+            cache.put(key(x), page(), Stale::default());
         }
         assert!(cache.get(&key(0)).is_some());
-        cache.put(key(8), page());
+        cache.put(key(8), page(), Stale::default());
         assert!(cache.size_in_bytes() <= 8 * layout.size_in_bytes());
         assert!(cache.get(&key(0)).is_some() && cache.get(&key(8)).is_some() && cache.get(&key(1)).is_none());
         let part = SampleRect::new(1, 2, 3, 4);
         cache.note_stale(|key| if key.x == 0 { part } else { SampleRect::EMPTY });
-        assert_eq!(cache.get(&key(0)).unwrap().1, part);
-        assert!(cache.get(&key(8)).unwrap().1.is_empty());
-        cache.put(key(0), page());
-        assert!(cache.get(&key(0)).unwrap().1.is_empty());
+        assert_eq!(cache.get(&key(0)).unwrap().1.within(&SampleRect::new(0, 0, 64, 64)), part);
+        assert!(cache.get(&key(8)).unwrap().1 == Stale::default());
+        cache.put(key(0), page(), Stale::default());
+        assert!(cache.get(&key(0)).unwrap().1 == Stale::default());
         cache.drop_where(|key| key.x == 8);
         assert!(cache.get(&key(8)).is_none());
         cache.drop_where(|_| true);

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::Look;
 use super::node::Stored;
+use super::samples::Samples;
 use crate::Result;
 use crate::access::PAGES_AT_ONCE;
 
@@ -15,10 +16,30 @@ const AROUND: i32 = 2;
 
 /// A rectangle of a stored field, as it lies on the terrain at the level that is looked at.
 pub(crate) fn stored(look: &mut Look<'_>, stored: &Stored, rect: SampleRect) -> Result<Plane> {
+    Ok(samples(look, stored, rect)?.into_plane(look.layout, rect))
+}
+
+/// The same where it lies; the pages of a large rectangle are not held all at once.
+pub(super) fn samples(look: &mut Look<'_>, stored: &Stored, rect: SampleRect) -> Result<Samples> {
     let Stored { field, constant, transform } = *stored;
-    if transform.is_identity() {
-        return read(look, field, constant, look.level, rect);
+    if !transform.is_identity() {
+        return moved(look, stored, rect).map(Samples::Plane);
     }
+    let inside = rect.intersection(&look.terrain.bounds_at(look.level));
+    let level = look.level;
+    let keys: Vec<_> = look.layout.pages_in(inside).map(|(x, z)| PageKey { field, level, z, x }).collect();
+    // What pages hold beyond the terrain is not the field's.
+    if keys.len() > PAGES_AT_ONCE || inside != rect {
+        return read(look, field, constant, level, rect).map(Samples::Plane);
+    }
+    let pages = look.pages.load(&keys)?;
+    let pages = keys.iter().zip(pages).filter_map(|(key, page)| Some((look.layout.page_rect(key), page?)));
+    Ok(Samples::Pages { pages: pages.collect(), constant })
+}
+
+/// A rectangle of a stored field that was moved, turned or enlarged.
+fn moved(look: &mut Look<'_>, stored: &Stored, rect: SampleRect) -> Result<Plane> {
+    let Stored { field, constant, transform } = *stored;
     let placement = transform.placement(look.grid.spacing_m());
     // Where its samples come to lie closer together than the terrain's, of the coarser level where they do not.
     let top = look.layout.top_level(&look.terrain);

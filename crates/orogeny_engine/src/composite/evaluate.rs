@@ -6,14 +6,15 @@ use orogeny_brush::Executor;
 use orogeny_field::{
     Blend, FieldId, MAX_SPACING_M, Page, PageKey, PageLayout, Plane, SampleRect, TerrainGrid, rect_above,
 };
-use orogeny_reference::field::compose;
 use orogeny_store::Layer;
 use rayon::prelude::*;
 
 use super::cache::{Cache, CacheKey, Kind};
-use super::content::{cropped, cut, patch, stored};
+use super::content::{cropped, cut, patch, samples, stored};
 use super::live::{self, BELOW, GROUND, HEIGHTS, WEIGHTS};
 use super::node::{Content, Node, nodes};
+use super::samples::{Part, Samples, Weights, joined};
+use super::stale::Stale;
 use super::weights::{self, weights};
 use super::{FieldPages, Live};
 use crate::Result;
@@ -23,8 +24,8 @@ use crate::backend::{self, Settings};
 /// Pages that are worked out at once where a barrier lacks them: their halo is looked at once.
 const BLOCK_PAGES: u32 = 8;
 
-/// Rows that a thread takes at once.
-const MIN_ROWS: usize = 16;
+/// Pages of layers that are read before they are joined, in bytes: all of them at once, but of a large rectangle a few layers at a time.
+const MAX_JOINED_BYTES: u64 = 16 << 20;
 
 /// Where and how the stack is looked at.
 pub(crate) struct Look<'a> {
@@ -56,8 +57,6 @@ pub(crate) struct Compositor {
     layers: Vec<Layer>,
     nodes: Arc<Vec<Node>>,
     cache: Cache,
-    /// The commit that the cache shows, where the file is only read.
-    sequence: Option<u64>,
     /// Made when the first brush is to be worked out.
     executor: Option<Box<dyn Executor>>,
 }
@@ -76,7 +75,6 @@ impl Compositor {
             layers: Vec::new(),
             nodes: Arc::default(),
             cache: Cache::new(shares.composite_in_bytes),
-            sequence: None,
             executor: None,
         }
     }
@@ -103,11 +101,9 @@ impl Compositor {
         Ok(Arc::clone(&self.nodes))
     }
 
-    /// Another program may have changed the file since it was last looked at.
-    pub(crate) fn at_commit(&mut self, sequence: u64) {
-        if self.sequence.replace(sequence) != Some(sequence) {
-            self.cache.drop_where(|key| key.kind == Kind::Result);
-        }
+    /// Another program may have changed any page.
+    pub(crate) fn forget_results(&mut self) {
+        self.cache.drop_where(|key| key.kind == Kind::Result);
     }
 
     /// Nothing that is kept can be trusted.
@@ -200,16 +196,27 @@ impl Compositor {
     pub(crate) fn heights(&mut self, look: &mut Look<'_>, nodes: &[Node], rect: SampleRect) -> Result<Plane> {
         let num_above = nodes.iter().rev().take_while(|node| !node.is_barrier()).count();
         let (below, above) = nodes.split_at(nodes.len() - num_above);
-        let mut plane = match below.split_last() {
-            None => Plane::constant(rect, 0.0),
+        let mut below = match below.split_last() {
+            None => Samples::constant(0.0),
             Some((barrier, below)) => self.barrier(look, below, barrier, rect)?,
         };
+        let (mut parts, mut size_in_bytes) = (Vec::with_capacity(above.len()), 0);
         for node in above {
             let heights = self.content(look, node, rect)?;
-            let weights = self.weights(look, node, None, rect)?;
-            join(node, &mut plane, &heights, weights.as_ref());
+            let part = Part { heights, weights: weights::painted(look, node, rect)?, blend: node.blend };
+            size_in_bytes += part.size_in_bytes();
+            parts.push(part);
+            if size_in_bytes > MAX_JOINED_BYTES {
+                below = Samples::Plane(joined(&below, &parts, look.layout, self.plane(rect)));
+                parts.clear();
+                size_in_bytes = 0;
+            }
         }
-        Ok(plane)
+        Ok(if parts.is_empty() {
+            below.into_plane(look.layout, rect)
+        } else {
+            joined(&below, &parts, look.layout, self.plane(rect))
+        })
     }
 
     /// What a layer alone is made of, in a rectangle; of an effect what it makes of what is below.
@@ -250,7 +257,7 @@ impl Compositor {
         below: &[Node],
         node: &Node,
         rect: SampleRect,
-    ) -> Result<Plane> {
+    ) -> Result<Samples> {
         self.kept(look, node, Kind::Result, rect, |this, look, rect| {
             let inner = match node.blend {
                 Blend::Laplacian => live::plan_blend(look, rect).needs,
@@ -262,10 +269,11 @@ impl Compositor {
             let heights = match &node.content {
                 Content::Heights(_) | Content::Kept(_) => this.content(look, node, inner)?,
                 Content::Procedural(live) | Content::Effect(live) => {
-                    this.made(look, node, live, &plane, inner)?
+                    Samples::Plane(this.made(look, node, live, &plane, inner)?)
                 }
             };
             if node.blend == Blend::Laplacian {
+                let heights = heights.into_plane(look.layout, inner);
                 let weights = weights(look, this.executor(look.layout)?, node, Some(&plane), inner)?;
                 let planned = live::plan_blend(look, rect);
                 let planes = vec![(GROUND, &plane), (HEIGHTS, &heights), (WEIGHTS, &weights)];
@@ -275,31 +283,22 @@ impl Compositor {
                 });
                 return Ok(joined);
             }
-            let weights = this.weights(look, node, Some(&plane), rect)?;
-            let mut joined = cropped(plane, rect);
-            join(node, &mut joined, &heights, weights.as_ref());
+            let weights = if node.has_painted_masks_only() {
+                weights::painted(look, node, rect)?
+            } else {
+                Weights::Plane(weights(look, this.executor(look.layout)?, node, Some(&plane), rect)?)
+            };
+            let (below, part) = (Samples::Plane(plane), Part { heights, weights, blend: node.blend });
+            let joined = joined(&below, std::slice::from_ref(&part), look.layout, this.plane(rect));
+            part.into_planes().chain(below.into_plane_there()).for_each(|plane| this.give_back(plane));
             Ok(joined)
         })
     }
 
-    /// A node's weights; `None` where it counts the same everywhere.
-    fn weights(
-        &mut self,
-        look: &mut Look<'_>,
-        node: &Node,
-        below: Option<&Plane>,
-        rect: SampleRect,
-    ) -> Result<Option<Plane>> {
-        if node.is_unmasked() {
-            return Ok(None);
-        }
-        weights(look, self.executor(look.layout)?, node, below, rect).map(Some)
-    }
-
     /// What a layer is made of that does not look at what is below it.
-    fn content(&mut self, look: &mut Look<'_>, node: &Node, rect: SampleRect) -> Result<Plane> {
+    fn content(&mut self, look: &mut Look<'_>, node: &Node, rect: SampleRect) -> Result<Samples> {
         match &node.content {
-            Content::Heights(heights) | Content::Kept(heights) => stored(look, heights, rect),
+            Content::Heights(heights) | Content::Kept(heights) => samples(look, heights, rect),
             Content::Procedural(live) | Content::Effect(live) => {
                 self.kept(look, node, Kind::Content, rect, |this, look, rect| {
                     let flat = Plane::constant(rect, 0.0);
@@ -341,21 +340,22 @@ impl Compositor {
         kind: Kind,
         rect: SampleRect,
         mut work_out: impl FnMut(&mut Self, &mut Look<'_>, SampleRect) -> Result<Plane>,
-    ) -> Result<Plane> {
+    ) -> Result<Samples> {
         let (layout, level) = (look.layout, look.level);
         let bounds = look.grid.bounds();
-        let mut plane = Plane::constant(rect, 0.0);
         let key_of = |(x, z)| CacheKey { layer: node.id, kind, level, z, x };
-        let (mut missing, mut stale) = (Vec::new(), SampleRect::EMPTY);
+        let (mut pages, mut missing, mut stale) = (Vec::new(), Vec::new(), SampleRect::EMPTY);
         let mut partly_stale = Vec::new();
         for place in layout.pages_in(rect) {
             match self.cache.get(&key_of(place)) {
-                Some((page, of_page)) if of_page.is_empty() => {
-                    plane.paste(&page, &page_rect(layout, &key_of(place)), &rect);
-                }
                 Some((page, of_page)) => {
-                    stale = stale.bounds_with(&of_page);
-                    partly_stale.push((place, page, of_page));
+                    let wanted = of_page.within(&rect);
+                    if wanted.is_empty() {
+                        pages.push((page_rect(layout, &key_of(place)), page));
+                    } else {
+                        stale = stale.bounds_with(&wanted);
+                        partly_stale.push((key_of(place), page, of_page));
+                    }
                 }
                 None => missing.push(place),
             }
@@ -364,13 +364,19 @@ impl Compositor {
         if !partly_stale.is_empty() {
             let made =
                 if stale.is_empty() { Plane::constant(stale, 0.0) } else { work_out(self, look, stale)? };
-            for (place, page, of_page) in partly_stale {
-                let key = key_of(place);
-                let mut page = Arc::unwrap_or_clone(page);
-                patch(&mut page, page_rect(layout, &key), &of_page.intersection(&bounds), &made);
-                plane.paste(&page, &page_rect(layout, &key), &rect);
-                self.cache.put(key, Arc::new(page));
+            // Pages that no one else has are changed where they are.
+            partly_stale.iter().for_each(|(key, ..)| self.cache.drop_page(key));
+            let patched = partly_stale.into_par_iter().map(|(key, page, mut of_page)| {
+                let (mut page, of_terrain) = (Arc::unwrap_or_clone(page), page_rect(layout, &key));
+                patch(&mut page, of_terrain, &stale.intersection(&of_terrain), &made);
+                of_page.remove(&stale);
+                (key, Arc::new(page), of_page)
+            });
+            for (key, page, still_stale) in patched.collect::<Vec<_>>() {
+                pages.push((page_rect(layout, &key), Arc::clone(&page)));
+                self.cache.put(key, page, still_stale);
             }
+            self.give_back(made);
         }
         while let Some((first_x, first_z)) = missing.first().copied() {
             // A block of pages side by side, as far as they are missing.
@@ -387,11 +393,25 @@ impl Compositor {
                 let key = key_of(place);
                 let of_page = page_rect(layout, &key);
                 let page = Arc::new(cut(&made, layout, of_page));
-                plane.paste(&page, &of_page, &rect);
-                self.cache.put(key, page);
+                if block.contains(&place) {
+                    pages.push((of_page, Arc::clone(&page)));
+                }
+                self.cache.put(key, page, Stale::default());
             }
         }
-        Ok(plane)
+        Ok(Samples::Pages { pages, constant: 0.0 })
+    }
+
+    /// A plane whose values are to be written.
+    fn plane(&mut self, rect: SampleRect) -> Plane {
+        self.executor.as_mut().map_or_else(|| Plane::constant(rect, 0.0), |executor| executor.plane(rect))
+    }
+
+    /// Takes the memory of a plane that is no longer needed.
+    fn give_back(&mut self, plane: Plane) {
+        if let Some(executor) = &mut self.executor {
+            executor.give_back(plane);
+        }
     }
 
     fn executor(&mut self, layout: PageLayout) -> Result<&mut dyn Executor> {
@@ -400,24 +420,6 @@ impl Compositor {
             none => none.insert(backend::composite_executor(&self.settings, layout)?),
         };
         Ok(executor.as_mut())
-    }
-}
-
-/// Joins a layer to what is below it.
-fn join(node: &Node, below: &mut Plane, heights: &Plane, weights: Option<&Plane>) {
-    let width = below.rect().width().max(1) as usize;
-    let rows = below.samples_mut().par_chunks_mut(width).zip(heights.samples().par_chunks(width));
-    let rows = rows.with_min_len(MIN_ROWS);
-    match weights {
-        Some(weights) => {
-            rows.zip(weights.samples().par_chunks(width)).for_each(|((below, heights), weights)| {
-                compose::row(below, heights, weights, node.blend);
-            })
-        }
-        None => {
-            let weights = vec![node.opacity; width];
-            rows.for_each(|(below, heights)| compose::row(below, heights, &weights, node.blend));
-        }
     }
 }
 
@@ -442,6 +444,13 @@ fn halo(look: &mut Look<'_>, node: &Node) -> Result<i32> {
         Content::Heights(_) | Content::Kept(_) => 0,
     };
     Ok(blend + content.max(weights::halo(look, node)?))
+}
+
+/// How far around what a brush makes of layers, with all that these look at themselves, it depends on samples, at most.
+pub(crate) fn reach(look: &mut Look<'_>, below: &[Node], live: &Live) -> Result<i32> {
+    let own = live::plan(look, live, SampleRect::new(0, 0, 1, 1))?.map_or(0, |planned| planned.halo());
+    let mut barriers = below.iter().filter(|node| node.is_barrier()).map(|node| halo(look, node));
+    barriers.try_fold(own, |reach, halo| Ok(reach + halo?))
 }
 
 /// Samples of a field that were changed, at full resolution.

@@ -200,6 +200,9 @@ pub(super) fn run(
     planes: Vec<(FieldId, &Plane)>,
     rect: SampleRect,
 ) -> Result<Plane> {
+    if let Some(plane) = executor.run_over_planes(&planned.batch, &planes, rect)? {
+        return Ok(plane);
+    }
     let ground = planes.iter().find(|(field, _)| *field == GROUND).map(|(_, plane)| *plane);
     let mut result = Plane::constant(rect, 0.0);
     let layout = look.layout;

@@ -15,14 +15,16 @@ mod live;
 mod node;
 mod pages;
 mod rows;
+mod samples;
+mod stale;
 mod summary;
 mod weights;
 
 pub(crate) use content::{page_of, stored};
-pub(crate) use evaluate::{Change, Compositor, Look};
+pub(crate) use evaluate::{Change, Compositor, Look, reach};
 pub(crate) use live::check;
 pub(crate) use node::{
-    Live, MAX_GROUP_DEPTH, Node, Stored, image_of, node, painted_mask, selection, with_groups,
+    Live, MAX_GROUP_DEPTH, Node, Stored, image_of, node, nodes, painted_mask, selection, with_groups,
 };
 pub(crate) use pages::{FieldPages, RecorderPages, RecordingPages, StorePages};
 pub(crate) use rows::{Composite, Source, damage_notice, read};

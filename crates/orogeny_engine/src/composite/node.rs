@@ -105,7 +105,12 @@ impl Node {
             Content::Procedural(live) => live.looks_at_terrain(),
             Content::Effect(_) => true,
         };
-        looks_below || self.blend == Blend::Laplacian || self.masks.iter().any(|mask| !mask.terms.is_empty())
+        looks_below || self.blend == Blend::Laplacian || !self.has_painted_masks_only()
+    }
+
+    /// Whether its masks are stored, all of them.
+    pub(crate) fn has_painted_masks_only(&self) -> bool {
+        self.masks.iter().all(|mask| mask.terms.is_empty())
     }
 
     /// Whether it counts the same everywhere.

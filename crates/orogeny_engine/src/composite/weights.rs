@@ -4,15 +4,19 @@ use std::sync::Arc;
 
 use orogeny_brush::filter::MAX_WIDTH_SAMPLES;
 use orogeny_brush::{Executor, GatePlan};
-use orogeny_field::{Bitmap, Gate, MaskSource, MaskTerm, Plane, SampleRect, TerrainGrid};
+use orogeny_field::{Bitmap, Gate, MaskCombine, MaskSource, MaskTerm, Plane, SampleRect, TerrainGrid};
 use orogeny_reference::field::compose;
 use rayon::prelude::*;
 
 use super::Look;
-use super::content::{cropped, stored};
+use super::content::{cropped, samples, stored};
 use super::live::{self, BELOW, GROUND, Planned};
 use super::node::{Mask, Node, Term, TermSource, selection};
+use super::samples::Weights;
 use crate::Result;
+
+/// Rows that a thread takes at once.
+const MIN_ROWS: usize = 16;
 
 /// Refuses a term of a mask that cannot be worked out on the terrain: the composite could not be looked at with it.
 ///
@@ -60,6 +64,13 @@ fn blur(look: &mut Look<'_>, term: &Term, rect: SampleRect) -> Result<Option<Pla
     if term.blur_m > 0.0 { live::plan_blur(look, term.blur_m, rect) } else { Ok(None) }
 }
 
+/// The weights of a node whose masks are stored, all of them.
+pub(super) fn painted(look: &mut Look<'_>, node: &Node, rect: SampleRect) -> Result<Weights> {
+    let painted = node.masks.iter().filter_map(|mask| mask.painted.as_ref());
+    let masks = painted.map(|painted| samples(look, painted, rect)).collect::<Result<_>>()?;
+    Ok(Weights::Masks { masks, opacity: node.opacity })
+}
+
 /// A node's weights within a rectangle, over what is below it, which has what [`needs`] says.
 pub(super) fn weights(
     look: &mut Look<'_>,
@@ -75,7 +86,7 @@ pub(super) fn weights(
             None => mask,
             Some(mut weights) => {
                 for_each_row(&mut weights, &mask, |weights, mask| {
-                    compose::combine_row(weights, mask, orogeny_field::MaskCombine::Multiply);
+                    compose::combine_row(weights, mask, MaskCombine::Multiply);
                 });
                 weights
             }
@@ -96,17 +107,32 @@ fn work_out(
     rect: SampleRect,
 ) -> Result<Plane> {
     let mut plane = match &mask.painted {
-        Some(painted) => stored(look, painted, rect)?,
-        None => Plane::constant(rect, 1.0),
+        Some(painted) => Some(stored(look, painted, rect)?),
+        None => None,
     };
     for term in &mask.terms {
         let mut values = source(look, executor, term, below, rect)?;
-        values.samples_mut().par_chunks_mut(rect.width().max(1) as usize).for_each(|row| {
-            compose::shape_row(row, term.is_inverted, term.curve.as_deref());
-        });
-        for_each_row(&mut plane, &values, |mask, values| compose::combine_row(mask, values, term.combine));
+        let shape = |row: &mut [f32]| compose::shape_row(row, term.is_inverted, term.curve.as_deref());
+        let width = rect.width().max(1) as usize;
+        let rows = values.samples_mut().par_chunks_mut(width).with_min_len(MIN_ROWS);
+        match &mut plane {
+            // The first one multiplies what is 1 everywhere.
+            None if term.combine == MaskCombine::Multiply => {
+                rows.for_each(shape);
+                plane = Some(values);
+            }
+            before => {
+                let plane = before.get_or_insert_with(|| Plane::constant(rect, 1.0));
+                let rows = plane.samples_mut().par_chunks_mut(width).zip(rows);
+                rows.for_each(|(mask, values)| {
+                    shape(values);
+                    compose::combine_row(mask, values, term.combine);
+                });
+                executor.give_back(values);
+            }
+        }
     }
-    Ok(plane)
+    Ok(plane.unwrap_or_else(|| Plane::constant(rect, 1.0)))
 }
 
 /// What a term is worked out from, blurred.
@@ -127,7 +153,10 @@ fn source(
         }
         TermSource::Mask(None) => Plane::constant(wide, 1.0),
         TermSource::Mask(Some(mask)) => stored(look, mask, wide)?,
-        TermSource::Gate { gate, image } => gated(look, gate, image.as_ref(), below, wide)?,
+        TermSource::Gate { gate, image } => {
+            let plane = executor.plane(wide);
+            gated(look, gate, image.as_ref(), below, plane)?
+        }
     };
     match blur {
         Some(blur) => live::run(look, executor, blur, vec![(GROUND, &values)], rect),
@@ -135,14 +164,15 @@ fn source(
     }
 }
 
-/// What a gate lets through within a rectangle of ground, of which a sample more on each side is known.
+/// What a gate lets through within the rectangle of a plane, whatever that holds, of ground of which a sample more on each side is known.
 pub(crate) fn gated(
     look: &mut Look<'_>,
     gate: &Gate,
     image: Option<&Arc<Bitmap>>,
     ground: Option<&Plane>,
-    rect: SampleRect,
+    plane: Plane,
 ) -> Result<Plane> {
+    let rect = plane.rect();
     let plan = match GatePlan::new(gate, look.grid, BELOW, BELOW, image.cloned()) {
         // A noise that is too fine to be seen at this level is its mean: nothing.
         Err(orogeny_brush::Error::Field(orogeny_field::Error::FeatureSize { .. })) if look.level > 0 => {
@@ -155,7 +185,7 @@ pub(crate) fn gated(
         Some(field) => Some(stored(look, &selection(field), rect)?),
         None => Some(Plane::constant(rect, 0.0)),
     };
-    Ok(plan.plane(look.layout, rect, ground, selected.as_ref()))
+    Ok(plan.plane(look.layout, plane, ground, selected.as_ref()))
 }
 
 /// Changes a plane by another of the same rectangle, row by row.

@@ -4,14 +4,16 @@
 use orogeny_brush::{Canvas, plan_fill};
 use orogeny_field::{
     Blend, FieldId, LayerContent, LayerTransform, MaskCombine, MaskSource, MaskTerm, Page, PageKey,
-    PageLayout, SampleRect, TerrainGrid,
+    PageLayout, Procedure, SampleRect, TerrainGrid,
 };
 use orogeny_pages::{BoxError, PageStore};
 use orogeny_store::{BlobHash, FieldKind, Layer, MadeMask, MadeOf, Recording, Store};
 
 use super::copy::num_below;
 use super::{Stack, refused};
-use crate::composite::{self, Compositor, FieldPages as _, Live, Look, Node, RecordingPages, with_groups};
+use crate::composite::{
+    self, Compositor, FieldPages as _, Live, Look, Node, RecordingPages, StorePages, with_groups,
+};
 use crate::progress::report;
 use crate::terrain::find_layer;
 use crate::{Error, Observer, Result};
@@ -313,16 +315,16 @@ fn without_name(layer: &Layer) -> Layer {
 /// [`Error::Store`] when the directory cannot be read.
 pub(crate) fn is_stale(store: &Store, layer: &Layer) -> Result<bool> {
     let of_mask = match &layer.made_mask {
-        Some(made) => is_changed_since(store, layer, &made.made_of)?,
+        Some(made) => is_changed_since(store, layer, &made.brush, &made.made_of)?,
         None => false,
     };
     Ok(of_mask || is_effect_stale(store, layer)?)
 }
 
 fn is_effect_stale(store: &Store, layer: &Layer) -> Result<bool> {
-    if !layer.content.is_kept() {
+    let Some(procedure) = layer.content.procedure().filter(|_| layer.content.is_kept()) else {
         return Ok(false);
-    }
+    };
     let Some(made_of) = &layer.made_of else { return Ok(true) };
     // Its mask may have been painted beyond what it was made for.
     let grid = store.grid();
@@ -331,17 +333,18 @@ fn is_effect_stale(store: &Store, layer: &Layer) -> Result<bool> {
     })?;
     let [x0, z0, x1, z1] = made_of.region;
     let is_beyond = !masked.is_empty() && !SampleRect::new(x0, z0, x1, z1).contains(&masked);
-    Ok(is_beyond || is_changed_since(store, layer, made_of)?)
+    Ok(is_beyond || is_changed_since(store, layer, procedure, made_of)?)
 }
 
-/// Whether anything that something was made of was changed since, within its region.
-fn is_changed_since(store: &Store, layer: &Layer, made_of: &MadeOf) -> Result<bool> {
+/// Whether anything that a brush made something of was changed since, within its region or as far around that as it looks.
+fn is_changed_since(store: &Store, layer: &Layer, procedure: &Procedure, made_of: &MadeOf) -> Result<bool> {
     let layers = store.layers();
     if hash_below(layers, layer)? != made_of.layers {
         return Ok(true);
     }
     let [x0, z0, x1, z1] = made_of.region;
     let region = SampleRect::new(x0, z0, x1, z1);
+    let region = if region.is_empty() { region } else { region.grown(reach(store, layer, procedure)?) };
     let is_newer = |field: FieldId, rect: &SampleRect| -> Result<bool> {
         Ok(store.newest_revision(field, rect)?.is_some_and(|newest| newest.0 > made_of.entry))
     };
@@ -366,6 +369,15 @@ fn is_changed_since(store: &Store, layer: &Layer, made_of: &MadeOf) -> Result<bo
         Some((selection, _)) => is_newer(*selection, &region),
         None => Ok(false),
     }
+}
+
+/// How far around a region what a brush makes of what is below a layer depends on that, in samples.
+fn reach(store: &Store, layer: &Layer, procedure: &Procedure) -> Result<i32> {
+    let mut pages = StorePages::new(store);
+    let nodes = composite::nodes(store.layers(), &mut pages)?;
+    let below = nodes.get(..num_below(store.layers(), &nodes, layer.id)).unwrap_or_default();
+    let live = Live::new(procedure, &mut pages)?;
+    composite::reach(&mut Look::new(store.grid(), 0, &mut pages)?, below, &live)
 }
 
 fn is_made_by_selection(layer: &Layer) -> bool {

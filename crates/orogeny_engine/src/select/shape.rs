@@ -85,7 +85,7 @@ impl Shape {
                 let around = rect.grown(1).intersection(&look.grid.bounds());
                 let heights =
                     if gate.needs_heights() { Some(compositor.heights(look, nodes, around)?) } else { None };
-                composite::gated(look, gate, image.as_ref(), heights.as_ref(), rect)
+                composite::gated(look, gate, image.as_ref(), heights.as_ref(), Plane::constant(rect, 0.0))
             }),
             Self::Mask { mask, region } => inside_of(rect, region, |rect| match mask {
                 Some(mask) => composite::stored(&mut ground.look, mask, rect),

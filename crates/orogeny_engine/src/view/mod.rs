@@ -170,8 +170,6 @@ impl View<'_> {
         let range_m = request.range_m.unwrap_or_else(|| self.range_m());
         let scene = self.scenes.scene(request, range_m, self.source.unpainted_masks());
         let (grid, layout) = (self.terrain.grid(), self.terrain.store()?.layout());
-        let _unchanging = self.terrain.settled()?.snapshot()?;
-        self.terrain.look_again()?;
         let relief = PageRelief::new(grid, layout, &self.source);
         let missing = self.renderer.want(&camera, &scene, &relief);
         let total = missing.len() as u64;

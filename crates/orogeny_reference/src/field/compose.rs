@@ -7,6 +7,7 @@ use crate::store::{lerp, pulled};
 
 /// Joins a row of a layer's heights to what lies below it, as far as the weights say, 0..1. [`Blend::Laplacian`] is no matter of
 /// single samples: what its pyramids came to is joined as [`Blend::Replace`].
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
 pub fn row(below: &mut [f32], heights: &[f32], weights: &[f32], blend: Blend) {
     match blend {
         Blend::Add => add(below, heights, weights, 1.0),
@@ -18,7 +19,7 @@ pub fn row(below: &mut [f32], heights: &[f32], weights: &[f32], blend: Blend) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
+#[inline(always)]
 fn add(below: &mut [f32], heights: &[f32], weights: &[f32], sign: f32) {
     for ((below, height), weight) in below.iter_mut().zip(heights).zip(weights) {
         *below = sanitized_height(*below + sign * weight * height);

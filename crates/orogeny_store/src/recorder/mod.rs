@@ -16,7 +16,8 @@ use std::thread::JoinHandle;
 
 use orogeny_field::{Page, PageKey, PageLayout};
 
-use crate::{Change, Dropped, EntryId, Error, Layer, NewLayer, Result, Store, Transaction};
+use crate::pace::Pace;
+use crate::{Change, Dropped, EntryId, Error, GivingWay, Layer, NewLayer, Result, Store, Transaction};
 use recent::Recent;
 use state::{Kept, Shared};
 use thread::Task;
@@ -29,6 +30,7 @@ pub struct Recorder {
     tasks: Option<Sender<Task>>,
     thread: Option<JoinHandle<Result<()>>>,
     shared: Arc<Shared>,
+    pace: Arc<Pace>,
     /// Bytes of pages on their way that painting may be ahead.
     max_pending_bytes: u64,
     /// Pages as they are now, with what was painted.
@@ -69,6 +71,7 @@ impl Recorder {
         let reader = Store::open_to_read(store.path())?;
         let last_entry = EntryId(reader.document.last_entry);
         let shared = Arc::<Shared>::default();
+        let pace = Arc::clone(&store.db.pace);
         let (tasks, received) = channel();
         let thread = thread::start(store, received, Arc::clone(&shared))?;
         Ok(Self {
@@ -76,6 +79,7 @@ impl Recorder {
             tasks: Some(tasks),
             thread: Some(thread),
             shared,
+            pace,
             max_pending_bytes,
             recent: Recent::new(max_recent_bytes),
             last_entry,
@@ -119,6 +123,13 @@ impl Recorder {
         Ok(pages)
     }
 
+    /// Has what is on its way to the file give way to the caller, who looks at the terrain: as long as the answer lives, but for 50 ms at
+    /// most, and not while someone waits for it, no further page is coded.
+    #[must_use]
+    pub fn give_way(&self) -> GivingWay<'_> {
+        self.pace.give_way()
+    }
+
     /// Starts an operation.
     ///
     /// # Errors
@@ -144,13 +155,16 @@ impl Recorder {
     /// # Errors
     /// What went wrong with the last operation, which was not made durable; the terrain is as before it.
     pub fn flush(&mut self) -> Result<()> {
-        self.shared.wait_until_durable();
+        self.wait_until_durable();
         self.take_failure()?;
         self.look_again()
     }
 
     /// Waits until everything finished is on disk, or has failed to come there, which [`Self::flush`] tells.
     pub fn wait_until_durable(&self) {
+        if self.shared.lock().num_commits_under_way > 0 {
+            self.pace.go_on();
+        }
         self.shared.wait_until_durable();
     }
 
@@ -194,7 +208,7 @@ impl Recorder {
         self.flush()?;
         self.recent.clear();
         let (reply, replied) = sync_channel(1);
-        self.send(Task::WithStore(Box::new(move |store| {
+        self.ask(Task::WithStore(Box::new(move |store| {
             // Whoever asked may have stopped waiting.
             reply.send(work(store)).ok();
         })))?;
@@ -231,6 +245,12 @@ impl Recorder {
         tasks.send(task).map_err(|_| Error::WriterGone)
     }
 
+    /// Sends a task whose answer is waited for.
+    fn ask(&self, task: Task) -> Result<()> {
+        self.pace.go_on();
+        self.send(task)
+    }
+
     /// The page as of the entry `before`, without it; as of now for `None`.
     fn load(&self, key: &PageKey, before: Option<u64>) -> Result<Option<Arc<Page>>> {
         let (kept, is_now) = {
@@ -253,7 +273,7 @@ impl Recorder {
             Some(Kept::InMemory(page)) => Ok(Some(page)),
             Some(Kept::InTransaction) => {
                 let (reply, replied) = sync_channel(1);
-                self.send(Task::Load { key: *key, before: before.is_some(), reply })?;
+                self.ask(Task::Load { key: *key, before: before.is_some(), reply })?;
                 // Without an answer, what it was asked of is gone: the transaction, or the thread.
                 replied.recv().unwrap_or(Err(Error::TransactionFailed))
             }
@@ -352,6 +372,12 @@ impl Recording<'_> {
         result
     }
 
+    /// Says that what is written from here on ends what is painted: for up to 10 ms whoever looks at it goes first, unless someone waits
+    /// for it to be on disk. So it is after [`finish`](Self::finish) in any case.
+    pub fn wait_for_look(&self) {
+        self.recorder.pace.wait_for_look();
+    }
+
     /// Hands over changed pages; waits while painting is too far ahead. What is wrong with them may come to light only
     /// later.
     ///
@@ -359,6 +385,9 @@ impl Recording<'_> {
     /// What went wrong with an earlier write or operation: this recording can then only be dropped.
     pub fn write_pages(&mut self, pages: Vec<(PageKey, Page)>) -> Result<()> {
         let pages: Vec<_> = pages.into_iter().map(|(key, page)| (key, Arc::new(page))).collect();
+        if !self.recorder.shared.has_room(&pages, self.recorder.max_pending_bytes) {
+            self.recorder.pace.go_on();
+        }
         self.recorder.shared.wait_for_room(&pages, self.recorder.max_pending_bytes);
         self.refuse_after_failure()?;
         for (key, page) in &pages {
@@ -449,7 +478,7 @@ impl Recording<'_> {
         work: impl FnOnce(&mut Transaction<'_>) -> Result<T> + Send + 'static,
     ) -> Result<T> {
         let (reply, replied) = sync_channel(1);
-        self.recorder.send(Task::WithTransaction(Box::new(move |transaction| {
+        self.recorder.ask(Task::WithTransaction(Box::new(move |transaction| {
             reply.send(work(transaction)).ok();
         })))?;
         match replied.recv() {
@@ -477,12 +506,13 @@ impl Recording<'_> {
     /// # Errors
     /// What went wrong with the operation before it, or with this one as far as is known: neither was made durable.
     pub fn finish(mut self) -> Result<()> {
-        self.recorder.shared.wait_until_durable();
+        self.recorder.wait_until_durable();
         self.refuse_after_failure()?;
         self.recorder.shared.lock().num_commits_under_way += 1;
         self.recorder.send(Task::Commit { last_number: self.number })?;
         self.is_finished = true;
         self.recorder.last_entry = self.last_entry;
+        self.recorder.pace.wait_for_look();
         if self.layers == self.recorder.on_disk()?.layers() && !self.made_selection {
             return Ok(());
         }
@@ -496,7 +526,7 @@ impl Drop for Recording<'_> {
         if !self.is_finished {
             self.recorder.recent.clear();
             // Where the thread is gone there is nothing to take back.
-            self.recorder.send(Task::Abort { last_number: self.number }).ok();
+            self.recorder.ask(Task::Abort { last_number: self.number }).ok();
             self.recorder.shared.wait_until_taken_back(self.number);
         }
     }

@@ -50,6 +50,11 @@ fn size_of(page: &Page) -> u64 {
     page.samples().len() as u64 * 4
 }
 
+/// What pages leave of so many bytes.
+fn room_beside(pages: &[(PageKey, Arc<Page>)], max_pending_bytes: u64) -> u64 {
+    max_pending_bytes.saturating_sub(pages.iter().map(|(_, page)| size_of(page)).sum())
+}
+
 impl State {
     /// Opens an entry and gives its number.
     pub(super) fn add_entry(&mut self) -> u64 {
@@ -123,8 +128,13 @@ impl Shared {
 
     /// Waits until these pages fit into so many bytes beside those on their way; for nothing where they are more than that.
     pub(super) fn wait_for_room(&self, pages: &[(PageKey, Arc<Page>)], max_pending_bytes: u64) {
-        let room = max_pending_bytes.saturating_sub(pages.iter().map(|(_, page)| size_of(page)).sum());
+        let room = room_beside(pages, max_pending_bytes);
         self.wait_while(|state| state.pending_bytes > room && state.failure.is_none());
+    }
+
+    /// Whether these pages need not wait.
+    pub(super) fn has_room(&self, pages: &[(PageKey, Arc<Page>)], max_pending_bytes: u64) -> bool {
+        self.lock().pending_bytes <= room_beside(pages, max_pending_bytes)
     }
 
     /// Waits until the thread has dropped an entry.

@@ -5,6 +5,7 @@ use std::sync::mpsc::{Receiver, SyncSender};
 use std::thread::{Builder, JoinHandle};
 
 use orogeny_field::{Page, PageKey};
+use rayon::ThreadPoolBuilder;
 
 use super::state::{Shared, State};
 use crate::{Committed, Error, Result, Store, Transaction};
@@ -45,10 +46,16 @@ pub(super) fn start(
     shared: Arc<Shared>,
 ) -> Result<JoinHandle<Result<()>>> {
     let path = store.path().to_owned();
+    let failed = |detail: String| Error::Io { path: path.clone(), detail };
+    // With cores of its own: whoever works out what is seen would else wait behind pages that are coded.
+    let cores = ThreadPoolBuilder::new()
+        .thread_name(|index| format!("orogeny.store.{index}"))
+        .build()
+        .map_err(|err| failed(err.to_string()))?;
     Builder::new()
         .name("orogeny.store".to_owned())
-        .spawn(move || serve(store, &tasks, &Gone(shared)))
-        .map_err(|err| Error::Io { path, detail: err.to_string() })
+        .spawn(move || cores.install(move || serve(store, &tasks, &Gone(shared))))
+        .map_err(|err| failed(err.to_string()))
 }
 
 fn serve(mut store: Store, tasks: &Receiver<Task>, gone: &Gone) -> Result<()> {

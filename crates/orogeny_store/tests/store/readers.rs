@@ -99,20 +99,34 @@ fn a_log_that_lost_its_end_is_damage() {
 }
 
 #[test]
-fn a_snapshot_stays_while_others_commit() {
+fn what_a_reader_holds_stays_while_others_commit() {
     let scratch = Scratch::new();
     let mut writer = scratch.create();
     let at = key(&writer, 0, 0);
     commit(&mut writer, &[(at, page(1))]);
-    let reader = Store::open_to_read(&scratch.path()).unwrap();
-    let snapshot = reader.snapshot().unwrap();
-    assert_eq!(bits(&reader.load_page(&at).unwrap().unwrap()), bits(&page(1)));
-    commit(&mut writer, &[(at, page(2))]);
-    assert_eq!(bits(&reader.load_page(&at).unwrap().unwrap()), bits(&page(1)));
-    // One within another is the same.
-    assert_eq!(reader.log().unwrap().len(), 1);
-    drop(snapshot);
-    assert_eq!(bits(&reader.load_page(&at).unwrap().unwrap()), bits(&page(2)));
+    let mut reader = Store::open_to_read(&scratch.path()).unwrap();
+    for seed in 2..4 {
+        reader.hold().unwrap();
+        let (num_layers, num_commits) = (reader.layers().len(), reader.num_commits().unwrap());
+        let mut transaction = writer.begin().unwrap();
+        transaction.add_layer(&layer(&format!("Layer {seed}"), 0.0)).unwrap();
+        transaction.write_pages(&[(at, page(seed))]).unwrap();
+        transaction.commit("{}", "both").unwrap();
+        // What reads several things for itself does not end it.
+        assert_eq!(reader.log().unwrap().len(), seed as usize - 1);
+        reader.refresh().unwrap();
+        assert_eq!((reader.layers().len(), reader.num_commits().unwrap()), (num_layers, num_commits));
+        assert_eq!(bits(&reader.load_page(&at).unwrap().unwrap()), bits(&page(seed - 1)));
+    }
+    reader.hold().unwrap();
+    assert_eq!(reader.layers(), writer.layers());
+    assert_eq!(bits(&reader.load_page(&at).unwrap().unwrap()), bits(&page(3)));
+    // A writer has nothing to hold.
+    writer.hold().unwrap();
+    commit(&mut writer, &[(at, page(4))]);
+    drop(reader);
+    writer.close().unwrap();
+    assert_eq!(scratch.files(), ["terrain.orogeny"]);
 }
 
 #[test]
