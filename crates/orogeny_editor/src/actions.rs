@@ -5,9 +5,10 @@ use orogeny_engine::session::Travel;
 use serde_json::json;
 
 use crate::camera::CameraControl;
-use crate::command::Command;
+use crate::command::{Command, capitalised, words};
 use crate::editor::Editor;
 use crate::panels::Dialog;
+use crate::tool::Twist;
 
 impl Editor {
     /// Does what a command says.
@@ -17,7 +18,7 @@ impl Editor {
             Command::Open => self.panels.dialog = Some(Dialog::open(self)),
             Command::Import => self.panels.dialog = Some(Dialog::import(self)),
             Command::Export => self.panels.dialog = Some(Dialog::export(self)),
-            Command::Quit => self.is_closing = true,
+            Command::Quit => self.request_close(),
             Command::Undo => self.travel("undo", Travel::Undo(1)),
             Command::Redo => self.travel("redo", Travel::Redo(1)),
             Command::Cancel => self.cancel(),
@@ -46,6 +47,10 @@ impl Editor {
             Command::Brush(brush_type) => self.tool.brush_type = brush_type,
             Command::Mode(mode) => self.request.mode = mode,
             Command::AddLayer
+            | Command::AddProcedure
+            | Command::AddEffect
+            | Command::TuneLayer
+            | Command::CollapseLayer
             | Command::DuplicateLayer
             | Command::RemoveLayer
             | Command::RaiseLayer
@@ -104,16 +109,39 @@ impl Editor {
         let Some(document) = &self.document else { return };
         let Some(layer) = document.current_layer() else { return };
         let id = layer.id;
+        let is_made = layer.content.procedure().is_some();
+        if matches!(command, Command::TuneLayer | Command::CollapseLayer) && !is_made {
+            return;
+        }
         let layers = &document.status.layers;
         let place = layers.iter().position(|other| other.id == id).unwrap_or_default();
         let name_at = |place: usize| layers.get(place).map(|layer| layer.id);
+        let is_taken = |name: &str| layers.iter().any(|layer| layer.name == name);
+        let new_name = |stem: &str| {
+            (1..).map(|k| format!("{stem} {k}")).find(|name| !is_taken(name)).unwrap_or_default()
+        };
+        // What a layer is made by covers all of the terrain: it has no radius.
+        let brush = || {
+            let mut brush = self.tool.brush_json(Twist::None);
+            brush.remove("radius");
+            brush
+        };
+        let stem = || capitalised(&words(self.tool.brush_type.name()));
         let operation = match command {
-            Command::AddLayer => {
-                let is_taken = |name: &str| layers.iter().any(|layer| layer.name == name);
-                let name =
-                    (1..).map(|k| format!("Layer {k}")).find(|name| !is_taken(name)).unwrap_or_default();
-                json!({"op": "add_layer", "name": name, "above": id})
+            Command::AddLayer => json!({"op": "add_layer", "name": new_name("Layer"), "above": id}),
+            Command::AddProcedure => {
+                let content = json!({"type": "procedural", "brush": brush()});
+                json!({"op": "add_layer", "name": new_name(&stem()), "above": id, "content": content})
             }
+            Command::AddEffect => {
+                let content = json!({"type": "effect", "brush": brush()});
+                json!({"op": "add_layer", "name": new_name(&stem()), "above": id, "content": content})
+            }
+            Command::TuneLayer => {
+                let content = json!({"type": layer.content.name(), "brush": brush()});
+                json!({"op": "set_layer", "layer": id, "content": content})
+            }
+            Command::CollapseLayer => json!({"op": "collapse_layer", "layer": id}),
             Command::DuplicateLayer => json!({"op": "duplicate_layer", "layer": id}),
             Command::RemoveLayer => json!({"op": "remove_layer", "layer": id}),
             Command::RaiseLayer => match name_at(place + 1) {

@@ -43,6 +43,14 @@ pub enum Command {
     Mode(Mode),
     /// Put a layer of heights on top.
     AddLayer,
+    /// Put a layer on top that the brush makes, everywhere: it can be tuned later.
+    AddProcedure,
+    /// Put a layer on top that applies the brush to all that lies below: it can be tuned later.
+    AddEffect,
+    /// Give the layer that a brush makes the brush in the hand.
+    TuneLayer,
+    /// Make plain heights of the layer that is worked on.
+    CollapseLayer,
     /// Copy the layer that is worked on.
     DuplicateLayer,
     /// Take it away.
@@ -112,7 +120,7 @@ impl Menu {
 
 impl Command {
     /// Those that stand alone, in the order of their menus.
-    const PLAIN: [Self; 32] = [
+    const PLAIN: [Self; 36] = [
         Self::New,
         Self::Open,
         Self::Import,
@@ -137,6 +145,10 @@ impl Command {
         Self::CopyFromHere,
         Self::TakeHeight,
         Self::AddLayer,
+        Self::AddProcedure,
+        Self::AddEffect,
+        Self::TuneLayer,
+        Self::CollapseLayer,
         Self::DuplicateLayer,
         Self::RemoveLayer,
         Self::RaiseLayer,
@@ -177,6 +189,10 @@ impl Command {
             Self::CopyFromHere => "copy_from_here".to_owned(),
             Self::TakeHeight => "take_height".to_owned(),
             Self::AddLayer => "add_layer".to_owned(),
+            Self::AddProcedure => "add_procedure".to_owned(),
+            Self::AddEffect => "add_effect".to_owned(),
+            Self::TuneLayer => "tune_layer".to_owned(),
+            Self::CollapseLayer => "collapse_layer".to_owned(),
             Self::DuplicateLayer => "duplicate_layer".to_owned(),
             Self::RemoveLayer => "remove_layer".to_owned(),
             Self::RaiseLayer => "raise_layer".to_owned(),
@@ -214,6 +230,10 @@ impl Command {
             Self::Weaker => "Weaker brush".to_owned(),
             Self::CopyFromHere => "Copy from under the pointer".to_owned(),
             Self::TakeHeight => "Take the height under the pointer".to_owned(),
+            Self::AddProcedure => "Add a layer that the brush makes".to_owned(),
+            Self::AddEffect => "Add the brush as an effect on what lies below".to_owned(),
+            Self::TuneLayer => "Give the layer the brush in the hand".to_owned(),
+            Self::CollapseLayer => "Make plain heights of the layer".to_owned(),
             Self::RaiseLayer => "Move layer up".to_owned(),
             Self::LowerLayer => "Move layer down".to_owned(),
             Self::ToggleLayer => "Hide or show layer".to_owned(),
@@ -253,6 +273,10 @@ impl Command {
             | Self::TakeHeight
             | Self::Brush(_) => Menu::Brush,
             Self::AddLayer
+            | Self::AddProcedure
+            | Self::AddEffect
+            | Self::TuneLayer
+            | Self::CollapseLayer
             | Self::DuplicateLayer
             | Self::RemoveLayer
             | Self::RaiseLayer

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use orogeny_engine::session::{Event, Session, Status, Ticket};
-use orogeny_engine::{Gpu, Layer, LayerContent, LiveView, Progress};
+use orogeny_engine::{Gpu, Layer, LayerContent, LiveView, Progress, ViewRequest};
 
 use crate::{CameraControl, Result};
 
@@ -50,6 +50,8 @@ pub struct Document {
     pub layer: u32,
     /// The stroke that is being drawn.
     pub stroke: Option<Ticket>,
+    /// The masks that come with pages.
+    shown_masks: Vec<String>,
 }
 
 impl Document {
@@ -73,6 +75,7 @@ impl Document {
             jobs: Vec::new(),
             layer,
             stroke: None,
+            shown_masks: Vec::new(),
         })
     }
 
@@ -83,6 +86,15 @@ impl Document {
     pub fn draw_on(&mut self, gpu: &Gpu) -> Result<()> {
         self.view = LiveView::new(gpu, &self.status, DRAWN_BYTES)?;
         Ok(())
+    }
+
+    /// Has the masks come that a picture needs.
+    pub fn show_masks(&mut self, request: &ViewRequest) {
+        let names = self.view.masks(request);
+        if names != self.shown_masks {
+            self.session.show_masks(names.clone());
+            self.shown_masks = names;
+        }
     }
 
     /// Shows all of it.

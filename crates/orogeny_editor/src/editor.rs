@@ -19,8 +19,9 @@ use crate::keymap::Keymap;
 use crate::panels::{Dialog, Panels};
 use crate::preferences::Preferences;
 use crate::quality::Quality;
+use crate::thumbnails::Thumbnails;
 use crate::tool::{Tool, Twist};
-use crate::viewport::{Viewport, Wish};
+use crate::viewport::{Point, Viewport, Wish};
 
 /// Messages that are kept at most.
 const MAX_MESSAGES: usize = 200;
@@ -69,9 +70,10 @@ pub struct Editor {
     pub(crate) request: ViewRequest,
     pub(crate) viewport: Viewport,
     quality: Quality,
+    pub(crate) thumbnails: Thumbnails,
     pub(crate) panels: Panels,
     pub(crate) messages: Vec<Message>,
-    pub(crate) is_closing: bool,
+    is_closing: bool,
     /// When preferences were last looked at.
     remembered: Instant,
     /// The picture of the viewport as egui knows it.
@@ -93,6 +95,7 @@ impl Editor {
         let preferences_file = options.preferences.clone().filter(|_| wrong.is_none());
         let first_mode = if gpu.description().is_software { Mode::Shaded } else { Mode::Textured };
         let mode = Mode::ALL.into_iter().find(|mode| mode.name() == preferences.mode).unwrap_or(first_mode);
+        let thumbnails = Thumbnails::new(Arc::clone(&options.wake));
         let mut panels = Panels::default();
         if !preferences.has_seen_tutorial {
             panels.dialog = Some(Dialog::Tutorial { step: 0 });
@@ -109,6 +112,7 @@ impl Editor {
             request: ViewRequest { mode, ..ViewRequest::default() },
             viewport: Viewport::default(),
             quality: Quality::default(),
+            thumbnails,
             panels,
             messages: wrong.into_iter().collect(),
             is_closing: false,
@@ -133,6 +137,13 @@ impl Editor {
         // The file is no one else's while it is open, not even this editor's.
         if self.document.as_ref().is_some_and(|document| document.path == path) {
             return;
+        }
+        if let Some(job) = self.document.as_ref().and_then(|document| document.jobs.first()) {
+            let text = format!(
+                "{} is still under way: wait for it, or press Esc, then open another terrain",
+                job.what
+            );
+            return self.tell(text, true);
         }
         match Session::open(path, self.options.settings.clone(), move || wake()) {
             Ok(session) => self.opening = Some(Opening { path: path.to_owned(), session }),
@@ -294,10 +305,26 @@ impl Editor {
         self.tool.share()
     }
 
-    /// Whether the window is to close.
+    /// Closes the window, once what is under way is done.
+    pub fn request_close(&mut self) {
+        self.is_closing = true;
+        if let Some(document) = self.document.as_mut().filter(|document| document.stroke.is_some()) {
+            // The hand is off the ground.
+            document.session.lift();
+            document.end_stroke();
+            self.viewport.let_go();
+        }
+        if let Some(job) = self.document.as_ref().and_then(|document| document.jobs.first()) {
+            let text =
+                format!("{} is still under way: the window closes after it; Esc gives it up", job.what);
+            self.tell(text, false);
+        }
+    }
+
+    /// Whether the window is to close now.
     #[must_use]
-    pub const fn is_closing(&self) -> bool {
-        self.is_closing
+    pub fn is_closing(&self) -> bool {
+        self.is_closing && self.document.as_ref().is_none_or(|document| document.jobs.is_empty())
     }
 
     /// The file that is open.
@@ -310,7 +337,9 @@ impl Editor {
     #[must_use]
     pub fn is_settled(&self) -> bool {
         let is_settled = |document: &Document| document.jobs.is_empty() && document.view.is_complete();
-        self.opening.is_none() && self.document.as_ref().is_none_or(is_settled)
+        self.opening.is_none()
+            && !self.thumbnails.is_waiting()
+            && self.document.as_ref().is_none_or(is_settled)
     }
 
     /// Whether another frame is wanted without anything happening.
@@ -380,7 +409,13 @@ impl Editor {
         });
         self.request.cursors.extend(source);
         let camera = document.camera.camera(size_px);
-        let has_shadows = !self.gpu.description().is_software || self.quality.is_still();
+        self.request.mask = match (self.tool.is_on_selection, document.current_layer()) {
+            (false, Some(layer)) => layer.name.clone(),
+            _ => "selection".to_owned(),
+        };
+        document.show_masks(&self.request);
+        let has_shadows =
+            self.request.has_shadows && (!self.gpu.description().is_software || self.quality.is_still());
         let request = ViewRequest { has_shadows, ..self.request.clone() };
         let drawn = document.view.draw(&camera, size_px, &request);
         let wanted = document.view.wanted();
@@ -426,9 +461,10 @@ impl Editor {
             }
             Wish::Points(points) if document.stroke.is_some() => {
                 let has_time = self.tool.object().get("airbrush").and_then(Value::as_bool) == Some(true);
-                let sample = |([x_m, z_m], time_s): ([f64; 2], f64)| {
-                    let sample = PointerSample::at(x_m, z_m);
-                    PointerSample { time_s: has_time.then_some(time_s), ..sample }
+                let sample = |point: Point| {
+                    let [x_m, z_m] = point.place_m;
+                    let sample = PointerSample::at(x_m, z_m).with_pressure(point.pressure);
+                    PointerSample { time_s: has_time.then_some(point.time_s), ..sample }
                 };
                 document.session.push_points(points.into_iter().map(sample).collect());
             }

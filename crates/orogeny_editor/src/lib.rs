@@ -17,6 +17,7 @@ mod keymap;
 mod panels;
 mod preferences;
 mod quality;
+mod thumbnails;
 mod tool;
 mod viewport;
 mod window;

@@ -44,6 +44,8 @@ pub struct Viewport {
     last: Option<DVec3>,
     /// When the stroke began, by the clock of the window, seconds.
     stroke_start_s: f64,
+    /// How hard the pen is pressed, where it tells.
+    pressure: Option<f32>,
     /// How large the picture is, in points.
     pub size: Vec2,
 }
@@ -53,10 +55,21 @@ pub struct Viewport {
 pub enum Wish {
     /// Begin a stroke.
     Begin(Twist),
-    /// Points of it: place in metres, and seconds since it began.
-    Points(Vec<([f64; 2], f64)>),
+    /// Points of it.
+    Points(Vec<Point>),
     /// End it.
     Lift,
+}
+
+/// A point of a stroke.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Where, metres.
+    pub place_m: [f64; 2],
+    /// How hard a pen is pressed, 0..1; 1 for a mouse.
+    pub pressure: f32,
+    /// Seconds since the stroke began.
+    pub time_s: f64,
 }
 
 /// A pointer's place in the picture, in pixels.
@@ -131,10 +144,12 @@ impl Viewport {
                     at = Some(to);
                     self.moved(ui, to, by, sight, document, request);
                     if self.grip == Grip::Drawing {
-                        points.extend(
-                            self.point(to, sight, document).map(|place| (place, now_s - self.stroke_start_s)),
-                        );
+                        points.extend(self.point(to, now_s, sight, document));
                     }
+                }
+                Event::Touch { phase, force, .. } => {
+                    let is_over = matches!(phase, egui::TouchPhase::End | egui::TouchPhase::Cancel);
+                    self.pressure = force.filter(|_| !is_over);
                 }
                 Event::PointerButton { pos, button, pressed: true, modifiers }
                     if is_over && self.grip == Grip::None =>
@@ -151,7 +166,7 @@ impl Viewport {
                             }));
                             self.stroke_start_s = now_s;
                             document.view.hold_still(true);
-                            points.extend(self.point(pos, sight, document).map(|place| (place, 0.0)));
+                            points.extend(self.point(pos, now_s, sight, document));
                             Grip::Drawing
                         }
                         PointerButton::Secondary => Grip::Looking,
@@ -221,8 +236,13 @@ impl Viewport {
     }
 
     /// Where a stroke goes under the pointer: the ground, or the height of the last ground where there is none.
-    fn point(&self, at: Pos2, sight: &Sight, document: &Document) -> Option<[f64; 2]> {
-        self.meet(at, sight, document).map(|place| [place.x, place.z])
+    fn point(&self, at: Pos2, now_s: f64, sight: &Sight, document: &Document) -> Option<Point> {
+        let place = self.meet(at, sight, document)?;
+        Some(Point {
+            place_m: [place.x, place.z],
+            pressure: self.pressure.unwrap_or(1.0).clamp(0.0, 1.0),
+            time_s: now_s - self.stroke_start_s,
+        })
     }
 
     fn meet(&self, at: Pos2, sight: &Sight, document: &Document) -> Option<DVec3> {

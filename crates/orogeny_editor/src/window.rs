@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use egui::ViewportId;
 use egui_wgpu::{RendererOptions, ScreenDescriptor};
-use orogeny_engine::{Gpu, Presets, Settings, window_gpu};
+use egui_winit::accesskit_winit;
+use orogeny_engine::{Gpu, Presets, Settings, WindowGpu, window_gpu};
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
 use winit::event::WindowEvent;
@@ -41,16 +42,27 @@ impl std::fmt::Debug for Start {
     }
 }
 
-/// Something happened on another thread.
-#[derive(Debug, Clone, Copy)]
-struct Woken;
+/// Something happened outside of the window.
+#[derive(Debug)]
+enum Happened {
+    /// On another thread: there is something new to be shown.
+    News,
+    /// To those who read the window aloud, or press its buttons for someone.
+    Assistance(accesskit_winit::Event),
+}
+
+impl From<accesskit_winit::Event> for Happened {
+    fn from(event: accesskit_winit::Event) -> Self {
+        Self::Assistance(event)
+    }
+}
 
 /// Opens the window, and returns when it was closed.
 ///
 /// # Errors
 /// [`Error::Window`] when there is no screen; [`Error::Engine`] when nothing can draw in it.
 pub fn run(start: Start) -> Result<()> {
-    let events = EventLoop::<Woken>::with_user_event().build().map_err(|err| no_window(&err))?;
+    let events = EventLoop::<Happened>::with_user_event().build().map_err(|err| no_window(&err))?;
     let proxy = events.create_proxy();
     let mut program = Program { start: Some(start), proxy, shown: None, failure: None };
     events.run_app(&mut program).map_err(|err| no_window(&err))?;
@@ -64,7 +76,7 @@ fn no_window(err: &dyn std::fmt::Display) -> Error {
 struct Program {
     /// Until there is a window.
     start: Option<Start>,
-    proxy: EventLoopProxy<Woken>,
+    proxy: EventLoopProxy<Happened>,
     shown: Option<Shown>,
     /// What ended it.
     failure: Option<Error>,
@@ -76,6 +88,7 @@ struct Shown {
     editor: Editor,
     input: egui_winit::State,
     screen: Screen,
+    proxy: EventLoopProxy<Happened>,
     /// When the next frame is wanted, if nothing happens before.
     next_frame: Option<Instant>,
 }
@@ -91,9 +104,7 @@ struct Screen {
 
 impl Screen {
     fn new(window: &Arc<Window>, settings: &Settings) -> Result<Self> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let surface = instance.create_surface(Arc::clone(window)).map_err(|err| no_window(&err))?;
-        let (gpu, adapter) = window_gpu(settings, &instance, &surface)?;
+        let WindowGpu { gpu, adapter, surface } = window_gpu(settings, Arc::clone(window))?;
         let capabilities = surface.get_capabilities(&adapter);
         // Colours of the interface are given as the screen shows them.
         let is_plain = |format: &&wgpu::TextureFormat| {
@@ -203,16 +214,19 @@ impl Screen {
 }
 
 impl Shown {
-    fn new(events: &ActiveEventLoop, start: Start, proxy: EventLoopProxy<Woken>) -> Result<Self> {
-        let attributes = Window::default_attributes().with_title("Orogeny").with_inner_size(FIRST_SIZE);
+    fn new(events: &ActiveEventLoop, start: Start, proxy: EventLoopProxy<Happened>) -> Result<Self> {
+        // Assistance has to be there before the window is seen.
+        let attributes = Window::default_attributes()
+            .with_title("Orogeny")
+            .with_inner_size(FIRST_SIZE)
+            .with_visible(false);
         let window = Arc::new(events.create_window(attributes).map_err(|err| no_window(&err))?);
         let screen = Screen::new(&window, &start.settings)?;
-        let ctx = egui::Context::default();
-        let scale = Some(window.scale_factor() as f32);
-        let max_side = Some(screen.gpu.device().limits().max_texture_dimension_2d as usize);
-        let input = egui_winit::State::new(ctx, ViewportId::ROOT, &window, scale, window.theme(), max_side);
+        let input = new_input(events, &window, &screen.gpu, proxy.clone());
+        window.set_visible(true);
         // An event loop that has ended wakes no one.
-        let wake = Arc::new(move || _ = proxy.send_event(Woken).ok());
+        let of_editor = proxy.clone();
+        let wake = Arc::new(move || _ = of_editor.send_event(Happened::News).ok());
         let Start { settings, presets, preferences, bundled, file } = start;
         let options = EditorOptions { settings, presets, preferences, bundled, wake };
         let mut editor = Editor::new(options, screen.gpu.clone());
@@ -221,10 +235,10 @@ impl Shown {
             None => editor.open_last(),
         }
         window.request_redraw();
-        Ok(Self { window, editor, input, screen, next_frame: None })
+        Ok(Self { window, editor, input, screen, next_frame: None, proxy })
     }
 
-    fn draw(&mut self) {
+    fn draw(&mut self, events: &ActiveEventLoop) {
         let start = Instant::now();
         self.editor.update();
         let input = self.input.take_egui_input(&self.window);
@@ -242,35 +256,56 @@ impl Shown {
             self.next_frame = delay.and_then(|delay| Instant::now().checked_add(delay.min(LONGEST_WAIT)));
         }
         if let Err(err) = self.screen.gpu.check() {
-            self.mend(&err);
+            self.mend(events, &err);
         }
     }
 
     /// After the device was lost: another one, and all that was on it.
-    fn mend(&mut self, err: &dyn std::fmt::Display) {
+    fn mend(&mut self, events: &ActiveEventLoop, err: &dyn std::fmt::Display) {
         self.editor.tell(err.to_string(), true);
         match Screen::new(&self.window, self.editor.settings()) {
             Ok(screen) => {
                 self.editor.set_gpu(screen.gpu.clone());
-                self.screen = screen;
                 // What egui has drawn with was on the old one.
-                let scale = Some(self.window.scale_factor() as f32);
-                self.input = egui_winit::State::new(
-                    egui::Context::default(),
-                    ViewportId::ROOT,
-                    &self.window,
-                    scale,
-                    self.window.theme(),
-                    None,
-                );
+                self.input = new_input(events, &self.window, &screen.gpu, self.proxy.clone());
+                self.screen = screen;
             }
             Err(err) => self.editor.tell(err.to_string(), true),
         }
         self.window.request_redraw();
     }
+
+    /// Does for someone what assistance asks for.
+    fn assist(&mut self, event: accesskit_winit::WindowEvent) {
+        match event {
+            accesskit_winit::WindowEvent::InitialTreeRequested => self.input.egui_ctx().enable_accesskit(),
+            accesskit_winit::WindowEvent::ActionRequested(request) => {
+                self.input.on_accesskit_action_request(request);
+            }
+            accesskit_winit::WindowEvent::AccessibilityDeactivated => {
+                self.input.egui_ctx().disable_accesskit()
+            }
+        }
+        self.window.request_redraw();
+    }
 }
 
-impl ApplicationHandler<Woken> for Program {
+/// A window's input, with an interface that has not drawn anything yet.
+fn new_input(
+    events: &ActiveEventLoop,
+    window: &Window,
+    gpu: &Gpu,
+    proxy: EventLoopProxy<Happened>,
+) -> egui_winit::State {
+    let scale = Some(window.scale_factor() as f32);
+    let max_side = Some(gpu.device().limits().max_texture_dimension_2d as usize);
+    let ctx = egui::Context::default();
+    let mut input = egui_winit::State::new(ctx, ViewportId::ROOT, window, scale, window.theme(), max_side);
+    input.init_accesskit(events, window, proxy);
+    input
+}
+
+impl ApplicationHandler<Happened> for Program {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         let Some(start) = self.start.take() else { return };
         match Shown::new(events, start, self.proxy.clone()) {
@@ -282,9 +317,11 @@ impl ApplicationHandler<Woken> for Program {
         }
     }
 
-    fn user_event(&mut self, _events: &ActiveEventLoop, _woken: Woken) {
-        if let Some(shown) = &self.shown {
-            shown.window.request_redraw();
+    fn user_event(&mut self, _events: &ActiveEventLoop, happened: Happened) {
+        let Some(shown) = &mut self.shown else { return };
+        match happened {
+            Happened::News => shown.window.request_redraw(),
+            Happened::Assistance(event) => shown.assist(event.window_event),
         }
     }
 
@@ -294,19 +331,16 @@ impl ApplicationHandler<Woken> for Program {
         if response.repaint {
             shown.window.request_redraw();
         }
-        let is_closing = match event {
-            WindowEvent::RedrawRequested => {
-                shown.draw();
-                shown.editor.is_closing()
+        match event {
+            WindowEvent::RedrawRequested => shown.draw(events),
+            WindowEvent::Resized(size) => shown.screen.resize(size.width, size.height),
+            WindowEvent::CloseRequested => {
+                shown.editor.request_close();
+                shown.window.request_redraw();
             }
-            WindowEvent::Resized(size) => {
-                shown.screen.resize(size.width, size.height);
-                false
-            }
-            WindowEvent::CloseRequested => true,
-            _ => false,
-        };
-        if is_closing {
+            _ => {}
+        }
+        if shown.editor.is_closing() {
             if let Err(err) = shown.editor.close() {
                 self.failure = Some(err);
             }

@@ -89,6 +89,14 @@ pub enum Error {
         /// The names of the adapters there are.
         found: String,
     },
+    /// A window that cannot be drawn in. Install a driver for the system's screen, or work by the other commands.
+    #[error(
+        "the window cannot be drawn in: {detail}; install the system's graphics driver, or work without a window"
+    )]
+    NoSurface {
+        /// What the driver said.
+        detail: String,
+    },
     /// A mask that the terrain does not have.
     #[error("there is no mask `{name}`; there are those of the layers {known}")]
     UnknownMask {

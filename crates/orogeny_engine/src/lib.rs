@@ -86,6 +86,6 @@ pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;
 pub use terrain::Terrain;
 pub use view::{
-    Drawn, Flight, HeightAt, LiveView, MaterialDescription, Materials, Place, View, ViewRequest, drawing_gpu,
-    material_descriptions, window_gpu,
+    Drawn, Flight, HeightAt, LiveView, MaterialDescription, Materials, Place, View, ViewRequest, WindowGpu,
+    drawing_gpu, material_descriptions, window_gpu,
 };

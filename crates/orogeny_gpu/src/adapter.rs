@@ -66,9 +66,14 @@ pub fn list_adapters() -> Vec<AdapterDescription> {
     adapters(&new_instance()).iter().map(|adapter| AdapterDescription::new(&adapter.get_info())).collect()
 }
 
-/// For those who draw into no window.
-pub(crate) fn new_instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
+/// Where adapters are looked for: never by OpenGL, even where another crate has its support built in. It cannot read and write the
+/// textures of kernels, and a driver that has no other way is as good as none.
+#[must_use]
+pub fn new_instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::PRIMARY,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    })
 }
 
 fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {

@@ -17,7 +17,7 @@ mod error;
 mod kernel;
 mod readback;
 
-pub use adapter::{AdapterChoice, AdapterDescription, list_adapters};
+pub use adapter::{AdapterChoice, AdapterDescription, list_adapters, new_instance};
 pub use context::Gpu;
 pub use drawing::{Drawing, DrawingRequest};
 pub use error::{Error, Result};

@@ -37,6 +37,30 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
             }
         }
     });
+    let made_by = editor.document.as_ref().and_then(|document| document.current_layer()?.content.procedure());
+    let made_by = made_by.map(|procedure| procedure.brush.to_json());
+    ui.horizontal_wrapped(|ui| {
+        let mut give = |ui: &mut Ui, title: &str, command: Command| {
+            if ui.button(title).on_hover_text(command.title()).clicked() {
+                editor.run(command, &ui.ctx().clone());
+            }
+        };
+        match &made_by {
+            None => {
+                ui.label("Brush as");
+                give(ui, "Procedure", Command::AddProcedure);
+                give(ui, "Effect", Command::AddEffect);
+            }
+            Some(object) => {
+                give(ui, "Tune", Command::TuneLayer);
+                give(ui, "Collapse", Command::CollapseLayer);
+                if ui.button("Take brush").on_hover_text("Takes up the brush that makes the layer").clicked()
+                {
+                    editor.tool.take_up(object);
+                }
+            }
+        }
+    });
     if let Some(layer) = layers.iter().find(|layer| layer.id == current) {
         details(ui, layer, &mut operations);
     }

@@ -1,8 +1,9 @@
 //! The menu bar.
 
-use egui::{Button, MenuBar, Ui};
+use egui::{Button, ComboBox, MenuBar, Ui};
+use orogeny_engine::Mode;
 
-use crate::command::{Command, Menu};
+use crate::command::{Command, Menu, capitalised, words};
 use crate::editor::Editor;
 
 pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
@@ -34,6 +35,18 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
                 }
             });
         }
+        ui.separator();
+        let mode = editor.mode();
+        let label = ui.label("Show");
+        let shown = ComboBox::from_id_salt("mode").selected_text(capitalised(&words(mode.name())));
+        let shown = shown.show_ui(ui, |ui| {
+            for other in Mode::ALL {
+                if ui.selectable_label(other == mode, capitalised(&words(other.name()))).clicked() {
+                    chosen = Some(Command::Mode(other));
+                }
+            }
+        });
+        shown.response.labelled_by(label.id);
         let name = editor.open_file().and_then(|path| path.file_name());
         if let Some(name) = name.map(|name| name.to_string_lossy().into_owned()) {
             ui.separator();
@@ -55,6 +68,9 @@ pub(super) fn is_possible(editor: &Editor, command: Command) -> bool {
     match command {
         Command::Undo => can_undo,
         Command::Redo => can_redo,
+        Command::TuneLayer | Command::CollapseLayer => {
+            document.current_layer().is_some_and(|layer| layer.content.procedure().is_some())
+        }
         Command::RemoveLayer => document.status.layers.len() > 1,
         _ => true,
     }

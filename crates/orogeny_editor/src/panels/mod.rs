@@ -5,6 +5,7 @@ mod commands;
 mod files;
 mod history;
 mod layers;
+mod light;
 mod menu;
 mod new_terrain;
 mod parameters;
@@ -72,6 +73,8 @@ pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
             layers::show(editor, ui);
             ui.separator();
             history::show(editor, ui);
+            ui.separator();
+            light::show(editor, ui);
         });
     });
 }

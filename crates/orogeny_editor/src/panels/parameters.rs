@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use crate::command::{capitalised, words};
 use crate::editor::Editor;
-use crate::tool::limits;
+use crate::tool::{Twist, limits};
 
 /// Sizes and strengths have sliders of their own.
 const SHOWN_BEFORE: [&str; 2] = ["radius", "strength"];
@@ -15,6 +15,10 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
     let brush_type = editor.tool.brush_type;
     ui.heading(capitalised(&words(brush_type.name())));
     ui.label(egui::RichText::new(capitalised(brush_type.summary())).weak());
+    let brush = editor.tool.brush_json(Twist::None);
+    if let Some(picture) = editor.thumbnails.of(ui.ctx(), &brush) {
+        ui.image((picture.id(), picture.size_vec2())).on_hover_text("One stroke of the brush as it is set");
+    }
     size_and_strength(editor, ui);
     ui.horizontal(|ui| {
         ui.checkbox(&mut editor.tool.is_on_mask, "On mask")

@@ -3,6 +3,7 @@
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use orogeny_editor::Command;
+use orogeny_engine::BrushType;
 
 use crate::support::{Window, curve};
 
@@ -10,12 +11,18 @@ use crate::support::{Window, curve};
 fn every_command_can_be_given_at_any_time() {
     let mut empty = Window::empty();
     let mut window = Window::open();
-    for command in Command::all().filter(|command| *command != Command::Quit) {
+    // What not every brush can do has a test of its own.
+    let others = [Command::Quit, Command::AddProcedure, Command::AddEffect];
+    for command in Command::all().filter(|command| !others.contains(command)) {
         for window in [&mut empty, &mut window] {
             let ctx = window.harness.ctx.clone();
             window.editor().run(command, &ctx);
             window.frames(1);
-            window.settle();
+            // What changes the terrain is done before the next one changes it again.
+            let id = command.id();
+            if ["layer", "selec", "undo", "redo"].iter().any(|part| id.contains(part)) {
+                window.settle();
+            }
             // Whatever it opened is closed again.
             window.editor().run(Command::Cancel, &ctx);
         }
@@ -68,4 +75,31 @@ fn layers_are_added_drawn_on_hidden_and_removed() {
     window.settle();
     assert_eq!(window.layers(), ["Base", "Layer 1"]);
     assert!(Window::heights(&path) == drawn);
+}
+
+#[test]
+fn a_layer_that_a_brush_makes_is_tuned_and_collapsed() {
+    let mut window = Window::open();
+    let path = window.path("t.orogeny");
+    let ctx = window.harness.ctx.clone();
+    window.editor().run(Command::Brush(BrushType::Noise), &ctx);
+    window.editor().run(Command::AddProcedure, &ctx);
+    window.settle();
+    assert_eq!(window.layers(), ["Base", "Noise 1"]);
+    window.editor().run(Command::Brush(BrushType::Terrace), &ctx);
+    window.editor().run(Command::AddEffect, &ctx);
+    window.settle();
+    assert_eq!(window.layers(), ["Base", "Noise 1", "Terrace 1"]);
+    let terraced = Window::heights(&path);
+    // Drawing on it goes to its mask; weaker, it is nearer to what lies below.
+    window.editor().run(Command::Weaker, &ctx);
+    window.editor().run(Command::TuneLayer, &ctx);
+    window.settle();
+    let tuned = Window::heights(&path);
+    assert!(tuned != terraced);
+    window.editor().run(Command::CollapseLayer, &ctx);
+    window.settle();
+    assert!(Window::heights(&path) == tuned, "what is shown stays");
+    let said: Vec<_> = window.editor().errors().collect();
+    assert!(said.is_empty(), "{said:?}");
 }

@@ -62,6 +62,8 @@ pub struct PageData {
     pub heights: Vec<f32>,
     /// Up to four masks over the whole page, 255 for 1, where any are shown.
     pub masks: Option<Vec<[u8; 4]>>,
+    /// What these masks are where nothing was painted; `None` while a stroke is drawn.
+    pub unpainted_masks: Option<[f32; 4]>,
     /// What is known of the page and of those below it; nothing while a stroke is drawn.
     pub summaries: Vec<(PagePlace, PageSummary)>,
 }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use orogeny_field::{FieldId, PageKey, PageLayout, SampleRect, TerrainGrid};
-use orogeny_geomip::{PagePlace, PageSummary};
+use orogeny_geomip::{PagePlace, PageSummaries as _, PageSummary};
 use orogeny_store::{Layer, Recording};
 
 use super::{PageData, PageRequest};
@@ -25,6 +25,11 @@ impl Looker {
 
     pub(super) fn show_masks(&mut self, names: Vec<String>) {
         self.masks = names;
+    }
+
+    /// Whether more is shown than heights.
+    pub(super) const fn shows_masks(&self) -> bool {
+        !self.masks.is_empty()
     }
 
     /// Fields were changed; gives what changed by that of what is seen, for each level.
@@ -53,7 +58,8 @@ impl Looker {
         let store = terrain.settled()?;
         let (grid, layout) = (terrain.grid(), store.layout());
         let mut source = CompositeSource::new(store, &self.compositor);
-        source.show(self.masks.iter().filter_map(|name| source.mask(name)).collect());
+        // A layer that is no longer there has nothing to show.
+        source.show(self.masks.iter().map(|name| source.mask(name).unwrap_or_default()).collect());
         let page = |request: &PageRequest| {
             let place = request.place;
             let mut pages = StorePages::showing_damage(store);
@@ -61,17 +67,18 @@ impl Looker {
             let heights =
                 heights(&grid, &mut self.compositor.borrow_mut(), store.layers(), &mut pages, place, rect)?;
             let known = std::iter::once(place).chain(place.children(&grid, layout));
-            let summary =
-                |place| Ok((place, composite::summary(store, &mut self.compositor.borrow_mut(), place)?));
             Ok(PageData {
                 place,
                 rect,
                 heights,
                 masks: source.masks_over(place),
-                summaries: known.map(summary).collect::<Result<_>>()?,
+                unpainted_masks: Some(source.unpainted_masks()),
+                summaries: known.map(|place| (place, source.summary(place))).collect(),
             })
         };
-        requests.iter().map(page).collect()
+        let pages = requests.iter().map(page).collect::<Result<_>>()?;
+        source.check()?;
+        Ok(pages)
     }
 
     /// Pages as a stroke has left them so far. What it paints on a mask or on the selection is not among them.
@@ -88,7 +95,14 @@ impl Looker {
         let mut page = |request: &PageRequest| {
             let rect = rect_of(grid, layout, request);
             let heights = heights(grid, compositor, &layers, &mut pages, request.place, rect)?;
-            Ok(PageData { place: request.place, rect, heights, masks: None, summaries: Vec::new() })
+            Ok(PageData {
+                place: request.place,
+                rect,
+                heights,
+                masks: None,
+                unpainted_masks: None,
+                summaries: Vec::new(),
+            })
         };
         requests.iter().map(&mut page).collect()
     }

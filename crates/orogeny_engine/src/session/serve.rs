@@ -217,6 +217,10 @@ impl Server {
     }
 
     fn fields_changed(&mut self, changes: &[Change]) {
+        // What was painted on a mask changes no height, and yet what is shown.
+        if self.looker.shows_masks() {
+            return self.everything_changed();
+        }
         let Ok(layout) = self.terrain.store().map(Store::layout) else { return self.everything_changed() };
         let rects = self.looker.forget(&self.terrain.grid(), layout, changes);
         self.out.tell(Event::Changed { rects: Some(rects), is_settled: true });

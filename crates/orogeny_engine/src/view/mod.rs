@@ -111,32 +111,34 @@ impl Terrain {
 /// # Errors
 /// [`Error::NothingDraws`], [`Error::Gpu`].
 pub fn drawing_gpu(settings: &Settings) -> Result<Gpu> {
-    // A GPU that is there and cannot be opened is an error, not a picture that takes a hundred times as long.
-    let best = || match Gpu::open(&AdapterChoice::RealGpu) {
-        Err(orogeny_gpu::Error::NoAdapter { .. }) => Gpu::open(&AdapterChoice::Software),
-        opened => opened,
-    };
-    Ok(match &settings.adapter {
-        Adapter::Auto | Adapter::Cpu => best().map_err(|source| match source {
-            orogeny_gpu::Error::NoAdapter { found, .. } => Error::NothingDraws { found },
-            source => Error::Gpu(source),
-        })?,
-        Adapter::Software => Gpu::open(&AdapterChoice::Software)?,
-        Adapter::Named(name) => Gpu::open(&AdapterChoice::Named(name.clone()))?,
-    })
+    opened(settings, Gpu::open)
 }
 
-/// The device for a window, whose surface was made by the instance: the one that was asked for; where that calculates on the CPU, the best that
-/// can draw in the window.
+/// What draws in a window, and how: see [`window_gpu`].
+#[derive(Debug)]
+pub struct WindowGpu {
+    /// The device: the adapter that was asked for; where that calculates on the CPU, the best that can draw in the window.
+    pub gpu: Gpu,
+    /// Its adapter.
+    pub adapter: wgpu::Adapter,
+    /// The window's surface.
+    pub surface: wgpu::Surface<'static>,
+}
+
+/// The device for a window.
 ///
 /// # Errors
-/// [`Error::NothingDraws`], [`Error::Gpu`].
-pub fn window_gpu(
-    settings: &Settings,
-    instance: &wgpu::Instance,
-    surface: &wgpu::Surface<'_>,
-) -> Result<(Gpu, wgpu::Adapter)> {
-    let open = |choice: &AdapterChoice| Gpu::open_for_surface(choice, instance, surface);
+/// [`Error::NothingDraws`], [`Error::Gpu`]; [`Error::NoSurface`] for a window that cannot be drawn in.
+pub fn window_gpu(settings: &Settings, window: impl Into<wgpu::SurfaceTarget<'static>>) -> Result<WindowGpu> {
+    let instance = orogeny_gpu::new_instance();
+    let surface =
+        instance.create_surface(window).map_err(|err| Error::NoSurface { detail: err.to_string() })?;
+    let (gpu, adapter) = opened(settings, |choice| Gpu::open_for_surface(choice, &instance, &surface))?;
+    Ok(WindowGpu { gpu, adapter, surface })
+}
+
+fn opened<T>(settings: &Settings, open: impl Fn(&AdapterChoice) -> orogeny_gpu::Result<T>) -> Result<T> {
+    // A GPU that is there and cannot be opened is an error, not a picture that takes a hundred times as long.
     let best = || match open(&AdapterChoice::RealGpu) {
         Err(orogeny_gpu::Error::NoAdapter { .. }) => open(&AdapterChoice::Software),
         opened => opened,

@@ -14,7 +14,7 @@ use crate::{Error, Result};
 pub(super) const SELECTION: &str = "selection";
 
 /// A mask of the terrain: its field, where it was painted, and its value everywhere else.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Mask {
     field: Option<FieldId>,
     constant: f32,
@@ -78,7 +78,7 @@ impl<'a> CompositeSource<'a> {
     }
 
     /// What the masks are where nothing was painted.
-    pub(super) fn unpainted_masks(&self) -> [f32; 4] {
+    pub(crate) fn unpainted_masks(&self) -> [f32; 4] {
         let mut unpainted = [0.0; 4];
         for (to, mask) in unpainted.iter_mut().zip(&self.masks) {
             *to = mask.constant;
@@ -147,7 +147,7 @@ impl<'a> CompositeSource<'a> {
     }
 
     /// Whether all of the directory could be read so far.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         self.failure.borrow_mut().take().map_or(Ok(()), Err)
     }
 

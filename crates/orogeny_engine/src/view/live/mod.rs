@@ -18,7 +18,7 @@ use orogeny_gpu::Gpu;
 
 use self::known::Known;
 use super::scene::SceneMaker;
-use super::{Materials, ViewRequest, materials};
+use super::{MAX_MASKS, Materials, ViewRequest, materials};
 use crate::picture::Picture;
 use crate::session::{Event, PageRequest, Status};
 use crate::{Error, Result};
@@ -49,6 +49,10 @@ pub struct LiveView {
     materials: Option<Materials>,
     surfaces: Option<Receiver<Surfaces>>,
     has_surfaces: bool,
+    /// Masks that the material set asks for.
+    masks_of_materials: Vec<String>,
+    /// What the masks that came with pages are where nothing was painted.
+    unpainted_masks: [f32; 4],
 }
 
 impl LiveView {
@@ -78,6 +82,8 @@ impl LiveView {
             materials: None,
             surfaces: None,
             has_surfaces: false,
+            masks_of_materials: Vec::new(),
+            unpainted_masks: [0.0; 4],
         })
     }
 
@@ -101,6 +107,7 @@ impl LiveView {
                     self.unreadable.extend(awaited);
                 }
                 for data in pages {
+                    self.unpainted_masks = data.unpainted_masks.unwrap_or(self.unpainted_masks);
                     let Some((page, first, num)) = self.known.take(data) else { continue };
                     if data.masks.is_some() || !self.renderer.holds(data.place) {
                         self.renderer.upload(data.place, page, data.masks.as_deref())?;
@@ -134,8 +141,7 @@ impl LiveView {
             request.mode = Mode::Shaded;
         }
         let range_m = request.range_m.unwrap_or_else(|| self.known.range_m());
-        // Masks arrive with pages; where there is no page, there is no ground that could show one.
-        let scene = self.scenes.scene(&request, range_m, [0.0; 4]);
+        let scene = self.scenes.scene(&request, range_m, self.unpainted_masks);
         let relief = PageRelief::new(self.known.grid, self.known.layout, &self.known);
         self.missing = self.renderer.want(camera, &scene, &relief);
         let report = self.renderer.draw(camera, &scene, &relief, &self.targets)?;
@@ -163,9 +169,20 @@ impl LiveView {
         };
         self.surfaces = None;
         let (set, layers) = made?;
+        self.masks_of_materials.clone_from(&set.masks);
         self.renderer.set_materials(set, &layers)?;
         self.has_surfaces = true;
         Ok(())
+    }
+
+    /// The masks that have to come with pages for a picture, four at most.
+    #[must_use]
+    pub fn masks(&self, request: &ViewRequest) -> Vec<String> {
+        match request.mode {
+            Mode::Overlay => vec![request.mask.clone()],
+            Mode::Textured => self.masks_of_materials.iter().take(MAX_MASKS).cloned().collect(),
+            _ => Vec::new(),
+        }
     }
 
     /// Whether the next frame would show more than the last one without an event: textures are on their way.

@@ -60,6 +60,8 @@ struct Onlooker {
     failed: Vec<(Ticket, String, bool)>,
     num_live_pages: usize,
     is_awaiting: bool,
+    /// Masks of the north-west page.
+    masks: Option<Vec<[u8; 4]>>,
 }
 
 impl Onlooker {
@@ -73,6 +75,7 @@ impl Onlooker {
             failed: Vec::new(),
             num_live_pages: 0,
             is_awaiting: false,
+            masks: None,
         };
         onlooker.until(|onlooker| onlooker.known.is_some());
         onlooker.session.look(onlooker.everything());
@@ -112,6 +115,9 @@ impl Onlooker {
                     self.is_awaiting = false;
                     for page in pages {
                         self.num_live_pages += usize::from(page.summaries.is_empty());
+                        if page.place == (PagePlace { level: 0, z: 0, x: 0 }) {
+                            self.masks.clone_from(&page.masks);
+                        }
                         self.known.as_mut().unwrap().take(page);
                     }
                 }
@@ -294,4 +300,29 @@ fn what_is_undone_redone_and_done_to_layers_is_seen() {
     onlooker.until_ended(ticket);
     let (_, message, is_cancelled) = onlooker.failed.pop().unwrap();
     assert!(message.contains("None such") && !is_cancelled, "{message}");
+}
+
+#[test]
+fn masks_come_with_pages_and_follow_the_brush() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut onlooker = Onlooker::new(terrain_at(&folder.path().join("t.orogeny")));
+    assert!(onlooker.masks.is_none());
+    let names = ["selection", "Paths", "None such"].map(str::to_owned);
+    onlooker.session.show_masks(names.to_vec());
+    onlooker.until(|onlooker| onlooker.masks.is_some());
+    // Nothing is selected; a mask that was never painted counts everywhere; what is not there is nothing.
+    assert!(onlooker.masks.as_ref().unwrap().iter().all(|masks| *masks == [0, 255, 0, 0]));
+    let erase = r#"{"type": "erase_mask", "radius": 30, "strength": 1}"#;
+    let ticket = onlooker.session.begin_stroke(stroke(erase, "Paths", &[]));
+    onlooker.session.push_points(vec![PointerSample::at(100.0, 100.0), PointerSample::at(140.0, 100.0)]);
+    onlooker.session.lift();
+    onlooker.until_ended(ticket);
+    assert!(onlooker.failed.is_empty(), "{:?}", onlooker.failed);
+    let masks = onlooker.masks.clone().unwrap();
+    assert!(
+        masks[100 * 256 + 120][1] < 40 && masks[200 * 256 + 120][1] == 255,
+        "{:?}",
+        masks[100 * 256 + 120]
+    );
+    onlooker.check("with masks");
 }
