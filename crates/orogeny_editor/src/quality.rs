@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 /// What a frame may take while something moves, and what one may when all is still.
 const MOVING: Duration = Duration::from_millis(45);
-const STILL: Duration = Duration::from_millis(700);
+const STILL: Duration = Duration::from_millis(1000);
 /// How long nothing moves before fine frames are drawn.
 const UNTIL_STILL: Duration = Duration::from_millis(350);
 /// Steps of the picture's size: of so many, each way.
@@ -51,11 +51,12 @@ impl Quality {
         let (step, budget) =
             if self.was_still { (&mut self.still_step, STILL) } else { (&mut self.moving_step, MOVING) };
         let before = *step;
+        // What a frame of the next step takes at most, beside this one.
+        let more = (f64::from(before + 1) / f64::from(before)).powi(2);
         *step = match elapsed.as_secs_f64() / budget.as_secs_f64() {
             over if over > 3.0 => (before / 2).max(COARSEST),
             over if over > 1.3 => (before - 1).max(COARSEST),
-            // A step up costs more than twice as much at worst.
-            over if over < 0.4 => (before + 1).min(FINEST),
+            over if over * more < 0.9 => (before + 1).min(FINEST),
             _ => before,
         };
         self.was_still && *step > before
@@ -85,9 +86,9 @@ impl Quality {
 mod tests {
     use super::*;
 
-    /// A machine on which a frame takes 20 ms and a second for 800,000 pixels.
+    /// A machine on which a frame takes 20 ms and a second for 400,000 pixels.
     fn slow([width, height]: [u32; 2]) -> Duration {
-        Duration::from_secs_f64(0.02 + f64::from(width * height) / 800_000.0)
+        Duration::from_secs_f64(0.02 + f64::from(width * height) / 400_000.0)
     }
 
     #[test]
