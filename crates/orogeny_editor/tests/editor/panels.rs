@@ -51,7 +51,7 @@ fn the_history_goes_to_any_entry() {
     assert!(Window::heights(&path) == after);
 }
 
-/// Panels as they look; the ground in them is left blank, as its picture has tests of its own.
+/// Panels as they look; the ground in them is left blank, as its picture has tests of its own. `UPDATE_SNAPSHOTS=1` renews them, to be looked at.
 #[test]
 fn panels_look_as_they_did() {
     let mut window = Window::open();
