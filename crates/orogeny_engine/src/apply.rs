@@ -121,11 +121,18 @@ impl Terrain {
         observer: &mut dyn Observer,
         after: After,
     ) -> Result<Vec<Applied>> {
-        let first = self.run_once(operations, observer, after);
-        match first {
+        self.with_new_device_if_lost(|terrain, _| terrain.run_once(operations, observer, after))
+    }
+
+    /// Does something, and once more should the GPU device be lost on the way: on a new one then, and told so.
+    fn with_new_device_if_lost<T>(
+        &mut self,
+        mut attempt: impl FnMut(&mut Self, bool) -> Result<T>,
+    ) -> Result<T> {
+        match attempt(self, false) {
             Err(err) if matches!(err.gpu(), Some(orogeny_gpu::Error::DeviceLost { .. })) => {
                 tracing::warn!("{err}; it is done again on a new device");
-                self.run_once(operations, observer, after)
+                attempt(self, true)
             }
             result => result,
         }
@@ -153,22 +160,14 @@ impl Terrain {
         observer: &mut dyn Observer,
     ) -> Result<Applied> {
         let author = self.settings().author.clone();
-        let mut draw_once = |hand: &mut dyn Hand| {
-            self.record(observer, After::Commit, |site, recording| {
-                let start = Instant::now();
-                let layer = find_layer(recording.layers(), operation.layer())?.id;
-                let painted = paint(operation, hand, site, recording)?;
-                record(painted, layer, start, &author, recording)
-            })
-        };
-        match draw_once(hand) {
-            Err(err) if matches!(err.gpu(), Some(orogeny_gpu::Error::DeviceLost { .. })) => {
-                tracing::warn!("{err}; the stroke is drawn again on a new device");
+        self.with_new_device_if_lost(|terrain, is_again| {
+            if is_again {
                 hand.begin_again();
-                draw_once(hand)
             }
-            result => result,
-        }
+            terrain.record(observer, After::Commit, |site, recording| {
+                apply_brush(operation, hand, &author, site, recording)
+            })
+        })
     }
 
     /// Does something in one transaction.
@@ -224,7 +223,9 @@ fn apply_all(
             recording.wait_for_look();
         }
         let one = match operation {
-            Operation::Brush(operation) => apply_brush(operation, author, site, recording),
+            Operation::Brush(operation) => {
+                apply_brush(operation, &mut Known(operation.points()), author, site, recording)
+            }
             Operation::Layers(operation) => apply_layers(operation, author, site, recording),
             Operation::Select(selecting) => apply_select(selecting, author, site, recording),
         };
@@ -238,26 +239,14 @@ fn apply_all(
 
 fn apply_brush(
     operation: &BrushOperation,
+    hand: &mut dyn Hand,
     author: &str,
     site: &mut Site<'_>,
     recording: &mut Recording<'_>,
 ) -> Result<Applied> {
     let start = Instant::now();
     let layer = find_layer(recording.layers(), operation.layer())?.id;
-    let mut hand = Known(operation.points());
-    let painted = paint(operation, &mut hand, site, recording)?;
-    record(painted, layer, start, author, recording)
-}
-
-/// Records what was painted on a layer, as an entry of its own.
-pub(crate) fn record(
-    painted: Painted,
-    layer: u32,
-    start: Instant,
-    author: &str,
-    recording: &mut Recording<'_>,
-) -> Result<Applied> {
-    let Painted { operation, notices, pages, change } = painted;
+    let Painted { operation, notices, pages, change } = paint(operation, hand, site, recording)?;
     let entry = recording.record(operation.to_recorded_json(layer)?, author)?;
     Ok(Applied {
         entry,

@@ -68,7 +68,7 @@ pub use operation::{
     Recipe, RefreshLayer, RemoveLayer, SetLayer, SetMask, Target,
 };
 pub use orogeny_field::{
-    Blend, BrushType, LayerContent, LayerReference, LayerTransform, MaskTerm, PageKey, Parameter,
+    Blend, BrushType, Coverage, LayerContent, LayerReference, LayerTransform, MaskTerm, PageKey, Parameter,
     ParameterKind, PointerSample, Procedure, SampleRect, SelectCombine, SelectShape, Selecting, TerrainGrid,
 };
 pub use orogeny_formats::{

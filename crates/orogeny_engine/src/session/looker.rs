@@ -2,13 +2,13 @@
 
 use std::cell::RefCell;
 
-use orogeny_field::{FieldId, PageKey, PageLayout, SampleRect, TerrainGrid};
+use orogeny_field::{PageLayout, SampleRect, TerrainGrid};
 use orogeny_geomip::{PagePlace, PageSummaries as _, PageSummary};
 use orogeny_store::{Layer, Recording};
 
 use super::{PageData, PageRequest};
 use crate::composite::{self, Change, Compositor, Look, RecordingPages, Source, StorePages};
-use crate::view::CompositeSource;
+use crate::view::{CompositeSource, page_rect};
 use crate::{Result, Settings, Terrain};
 
 /// Works out what is looked at. Its own of everything, as what it keeps is of another moment than what brushes see.
@@ -110,9 +110,7 @@ impl Looker {
 
 /// What of a page is asked for, within the terrain.
 fn rect_of(grid: &TerrainGrid, layout: PageLayout, request: &PageRequest) -> SampleRect {
-    let PagePlace { level, z, x } = request.place;
-    let page = layout.page_rect(&PageKey { field: FieldId(0), level, z, x });
-    let page = page.intersection(&grid.bounds_at(level));
+    let page = page_rect(layout, request.place).intersection(&grid.bounds_at(request.place.level));
     request.rect.map_or(page, |rect| rect.intersection(&page))
 }
 

@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::Receiver;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-use orogeny_field::BrushType;
+use orogeny_field::{BrushType, PointerSample};
 use orogeny_store::Store;
 
 use super::event::{Event, Out};
@@ -196,23 +196,21 @@ impl Server {
     }
 
     /// The points of a stroke up to its end; `None` where it is given up. Who looks meanwhile sees the terrain without it.
-    fn all_points(&mut self, ticket: Ticket) -> Result<Option<Vec<orogeny_field::PointerSample>>> {
+    fn all_points(&mut self, ticket: Ticket) -> Result<Option<Vec<PointerSample>>> {
         let mut all = Vec::new();
-        let mut later = VecDeque::new();
         let is_cancelled = loop {
             match self.tasks.recv_timeout(TELL_EVERY) {
                 _ if self.cancelling.is_cancelled(ticket) => break true,
                 Ok(Task::Points(points)) => all.extend(points),
-                Ok(Task::Lift) | Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => break false,
+                Ok(Task::Lift) | Err(RecvTimeoutError::Disconnected) => break false,
                 Ok(Task::Look(requests)) => {
                     let pages = self.looker.pages(&self.terrain, &requests)?;
                     self.out.tell(Event::Pages(pages));
                 }
-                Ok(task) => later.push_back(task),
-                Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {}
+                Ok(task) => self.later.push_back(task),
+                Err(RecvTimeoutError::Timeout) => {}
             }
         };
-        self.later.append(&mut later);
         Ok((!is_cancelled).then_some(all))
     }
 

@@ -20,8 +20,8 @@ pub use materials::{MaterialDescription, Materials, material_descriptions};
 pub use request::{HeightAt, Place, ViewRequest};
 
 use self::scene::SceneMaker;
-pub(crate) use self::source::CompositeSource;
 use self::source::SELECTION;
+pub(crate) use self::source::{CompositeSource, page_rect};
 use crate::composite::Source;
 use crate::ground::Ground;
 use crate::picture::{Picture, check_size};

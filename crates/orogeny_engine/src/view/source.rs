@@ -3,12 +3,17 @@
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 
-use orogeny_field::{FieldId, HeightBounds, Page, PageKey, PageLayout};
+use orogeny_field::{FieldId, HeightBounds, Page, PageKey, PageLayout, SampleRect};
 use orogeny_geomip::{PagePlace, PageSummaries, PageSummary};
 use orogeny_store::{FieldKind, Store};
 
 use crate::composite::{Composite, Compositor, Source, damage_notice, summary};
 use crate::{Error, Result};
+
+/// All of a page, in samples of its level, beyond the terrain's edge too.
+pub(crate) fn page_rect(layout: PageLayout, PagePlace { level, z, x }: PagePlace) -> SampleRect {
+    layout.page_rect(&PageKey { field: FieldId(0), level, z, x })
+}
 
 /// The name of the terrain's selection among masks.
 pub(super) const SELECTION: &str = "selection";
@@ -117,8 +122,7 @@ impl<'a> CompositeSource<'a> {
     /// A page of the composite; where one is damaged, of what is left of it.
     pub(super) fn page(&self, place: PagePlace) -> Result<Page> {
         let layout = self.store.layout();
-        let page_key = PageKey { field: FieldId(0), level: place.level, z: place.z, x: place.x };
-        let page_rect = layout.page_rect(&page_key);
+        let page_rect = page_rect(layout, place);
         let rect = page_rect.intersection(&self.store.grid().bounds_at(place.level));
         let mut page = Page::constant(layout, 0.0);
         let mut rows = Composite::new(

@@ -2,11 +2,12 @@
 
 use std::collections::{HashMap, HashSet};
 
-use orogeny_field::{FieldId, HeightBounds, Page, PageKey, PageLayout, SampleRect, TerrainGrid};
+use orogeny_field::{HeightBounds, Page, PageLayout, SampleRect, TerrainGrid};
 use orogeny_geomip::{Ground, PagePlace, PageRelief, PageSummaries, PageSummary, Tile};
 
 use crate::composite::usual_error_m;
 use crate::session::{PageData, Status};
+use crate::view::page_rect;
 
 /// Pages and summaries, as far as they have arrived.
 #[derive(Debug)]
@@ -49,9 +50,8 @@ impl Known {
     }
 
     /// The part of the terrain's level that a page covers, in samples of that level.
-    pub(super) fn rect_of(&self, PagePlace { level, z, x }: PagePlace) -> SampleRect {
-        let page = self.layout.page_rect(&PageKey { field: FieldId(0), level, z, x });
-        page.intersection(&self.grid.bounds_at(level))
+    fn rect_of(&self, place: PagePlace) -> SampleRect {
+        page_rect(self.layout, place).intersection(&self.grid.bounds_at(place.level))
     }
 
     /// Notes that what is seen has changed, for each level.
@@ -63,11 +63,7 @@ impl Known {
             Some(rects) => rects.get(usize::from(level)).copied().unwrap_or(SampleRect::EMPTY),
         };
         let layout = self.layout;
-        let changed_of = |place: &PagePlace| {
-            let PagePlace { level, z, x } = *place;
-            let page = layout.page_rect(&PageKey { field: FieldId(0), level, z, x });
-            page.intersection(&rect_at(level))
-        };
+        let changed_of = |place: &PagePlace| page_rect(layout, *place).intersection(&rect_at(place.level));
         for (place, held) in &mut self.held {
             let changed = changed_of(place);
             if !changed.is_empty() {
@@ -105,7 +101,6 @@ impl Known {
         if data.rect.is_empty() {
             return None;
         }
-        let PagePlace { level, z, x } = place;
         let whole = self.rect_of(place);
         if let Some(before) = &mut self.before {
             before.entry(place).or_insert_with(|| self.held.get(&place).map(|held| held.page.clone()));
@@ -116,7 +111,7 @@ impl Known {
             self.held.entry(place).or_insert_with(fresh);
         }
         let held = self.held.get_mut(&place)?;
-        let page_rect = layout.page_rect(&PageKey { field: FieldId(0), level, z, x });
+        let page_rect = page_rect(layout, place);
         let first = [data.rect.x0.abs_diff(page_rect.x0), data.rect.z0.abs_diff(page_rect.z0)];
         let num = [data.rect.width(), data.rect.depth()];
         for (row, samples) in (first[1]..).zip(data.heights.chunks_exact(num[0].max(1) as usize)) {

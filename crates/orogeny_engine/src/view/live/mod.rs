@@ -19,7 +19,6 @@ use orogeny_gpu::Gpu;
 use self::known::Known;
 use super::scene::SceneMaker;
 use super::{MAX_MASKS, Materials, ViewRequest, materials};
-use crate::picture::Picture;
 use crate::session::{Event, PageRequest, Status};
 use crate::{Error, Result};
 
@@ -232,19 +231,6 @@ impl LiveView {
     #[must_use]
     pub fn picture_view(&self) -> wgpu::TextureView {
         self.targets.picture_view()
-    }
-
-    /// Waits for the picture that was drawn last, and reads it.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`].
-    pub fn read_picture(&self) -> Result<Picture> {
-        let pixels = self.targets.read(&self.gpu)?;
-        self.gpu.check()?;
-        let texels = pixels.as_chunks::<4>().0.iter();
-        let rgb = texels.flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect();
-        let [width_px, height_px] = self.size_px;
-        Ok(Picture { width_px, height_px, rgb })
     }
 
     /// While a stroke is drawn, [`Self::pick`] and [`Self::ground`] tell the ground as it was when it began.
