@@ -102,7 +102,7 @@ impl Editor {
         let high_m = f64::from(document.view.range_m()[1]);
         let up_m = (document.camera.eye() - middle).length();
         let above = glam::DVec3::new(middle.x, high_m.max(0.0) + up_m, middle.z);
-        document.camera = CameraControl { eye_m: above.to_array(), heading: 0.0, pitch: -1.553 };
+        document.camera = CameraControl::looking_down(above);
     }
 
     fn change_layer(&mut self, command: Command) {
@@ -115,7 +115,7 @@ impl Editor {
         }
         let layers = &document.status.layers;
         let place = layers.iter().position(|other| other.id == id).unwrap_or_default();
-        let name_at = |place: usize| layers.get(place).map(|layer| layer.id);
+        let id_at = |place: usize| layers.get(place).map(|layer| layer.id);
         let is_taken = |name: &str| layers.iter().any(|layer| layer.name == name);
         let new_name = |stem: &str| {
             (1..).map(|k| format!("{stem} {k}")).find(|name| !is_taken(name)).unwrap_or_default()
@@ -129,12 +129,9 @@ impl Editor {
         let stem = || capitalised(&words(self.tool.brush_type.name()));
         let operation = match command {
             Command::AddLayer => json!({"op": "add_layer", "name": new_name("Layer"), "above": id}),
-            Command::AddProcedure => {
-                let content = json!({"type": "procedural", "brush": brush()});
-                json!({"op": "add_layer", "name": new_name(&stem()), "above": id, "content": content})
-            }
-            Command::AddEffect => {
-                let content = json!({"type": "effect", "brush": brush()});
+            Command::AddProcedure | Command::AddEffect => {
+                let content_type = if command == Command::AddEffect { "effect" } else { "procedural" };
+                let content = json!({"type": content_type, "brush": brush()});
                 json!({"op": "add_layer", "name": new_name(&stem()), "above": id, "content": content})
             }
             Command::TuneLayer => {
@@ -144,15 +141,15 @@ impl Editor {
             Command::CollapseLayer => json!({"op": "collapse_layer", "layer": id}),
             Command::DuplicateLayer => json!({"op": "duplicate_layer", "layer": id}),
             Command::RemoveLayer => json!({"op": "remove_layer", "layer": id}),
-            Command::RaiseLayer => match name_at(place + 1) {
+            Command::RaiseLayer => match id_at(place + 1) {
                 Some(above) => json!({"op": "move_layer", "layer": id, "above": above}),
                 None => return,
             },
-            Command::LowerLayer => match place.checked_sub(1) {
-                None => return,
-                Some(0) => json!({"op": "move_layer", "layer": id}),
-                Some(below) => json!({"op": "move_layer", "layer": id, "above": name_at(below - 1)}),
-            },
+            Command::LowerLayer if place == 0 => return,
+            // Above none it is the lowest.
+            Command::LowerLayer => {
+                json!({"op": "move_layer", "layer": id, "above": place.checked_sub(2).and_then(id_at)})
+            }
             _ => json!({"op": "set_layer", "layer": id, "visible": !layer.visible}),
         };
         self.apply(&command.title(), vec![operation]);

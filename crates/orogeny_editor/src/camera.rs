@@ -45,6 +45,12 @@ impl CameraControl {
         Self { pitch: control.pitch.clamp(-MAX_PITCH, MAX_PITCH), ..control }
     }
 
+    /// At a place, looking straight down; north is up.
+    #[must_use]
+    pub const fn looking_down(eye: DVec3) -> Self {
+        Self { eye_m: eye.to_array(), heading: 0.0, pitch: -MAX_PITCH }
+    }
+
     /// The eye.
     #[must_use]
     pub const fn eye(&self) -> DVec3 {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use orogeny_engine::session::{Event, Session, Status, Ticket};
-use orogeny_engine::{Gpu, Layer, LayerContent, LiveView, Progress, ViewRequest};
+use orogeny_engine::{Gpu, Layer, LayerContent, LiveView, Progress, TerrainGrid, ViewRequest};
 
 use crate::{CameraControl, Result};
 
@@ -183,16 +183,18 @@ impl Document {
     /// The terrain's width and depth, metres.
     #[must_use]
     pub fn size_m(&self) -> [f64; 2] {
-        let grid = &self.status.grid;
-        [grid.width(), grid.depth()].map(|num| f64::from(num.max(2) - 1) * grid.spacing_m())
+        size_m(&self.status.grid)
     }
+}
+
+fn size_m(grid: &TerrainGrid) -> [f64; 2] {
+    [grid.width(), grid.depth()].map(|num| f64::from(num.max(2) - 1) * grid.spacing_m())
 }
 
 fn framing(status: &Status, size: [f32; 2]) -> CameraControl {
     let (_, summary) = status.root;
-    let along = |num: u32| f64::from(num.max(2) - 1) * status.grid.spacing_m();
+    let [width_m, depth_m] = size_m(&status.grid);
     let low = DVec3::new(0.0, f64::from(summary.bounds.min_m), 0.0);
-    let high =
-        DVec3::new(along(status.grid.width()), f64::from(summary.bounds.max_m), along(status.grid.depth()));
+    let high = DVec3::new(width_m, f64::from(summary.bounds.max_m), depth_m);
     CameraControl::framing(low, high, size)
 }

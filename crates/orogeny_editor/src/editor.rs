@@ -28,6 +28,9 @@ const MAX_MESSAGES: usize = 200;
 /// How often it is noted where one is.
 const REMEMBER_EVERY: Duration = Duration::from_secs(3);
 
+/// Has the next frame drawn.
+pub(crate) type Wake = Arc<dyn Fn() + Send + Sync>;
+
 /// What an editor is started with.
 pub struct EditorOptions {
     /// How terrains are worked on.
@@ -38,8 +41,6 @@ pub struct EditorOptions {
     pub preferences: Option<PathBuf>,
     /// Makes the terrain that comes along, where it is not there yet, and tells its file.
     pub bundled: Box<dyn Fn() -> orogeny_engine::Result<PathBuf>>,
-    /// Has the next frame drawn; called from other threads.
-    pub wake: Arc<dyn Fn() + Send + Sync>,
 }
 
 impl std::fmt::Debug for EditorOptions {
@@ -56,9 +57,9 @@ struct Opening {
 }
 
 /// All of the editor but its window.
-#[derive(Debug)]
 pub struct Editor {
     pub(crate) options: EditorOptions,
+    wake: Wake,
     pub(crate) preferences: Preferences,
     /// As they are in their file.
     written: Preferences,
@@ -82,10 +83,17 @@ pub struct Editor {
     is_picture_new: bool,
 }
 
+impl std::fmt::Debug for Editor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Editor").field("options", &self.options).finish_non_exhaustive()
+    }
+}
+
 impl Editor {
-    /// An editor with nothing open, that draws on a device.
+    /// An editor with nothing open, that draws on a device. `wake` has the next frame drawn, and is called from other threads.
     #[must_use]
-    pub fn new(options: EditorOptions, gpu: Gpu) -> Self {
+    pub fn new(options: EditorOptions, gpu: Gpu, wake: impl Fn() + Send + Sync + 'static) -> Self {
+        let wake: Wake = Arc::new(wake);
         let read = options.preferences.as_deref().map_or(Ok(Preferences::default()), Preferences::read);
         let (preferences, wrong) = match read {
             Ok(preferences) => (preferences, None),
@@ -95,7 +103,7 @@ impl Editor {
         let preferences_file = options.preferences.clone().filter(|_| wrong.is_none());
         let first_mode = if gpu.description().is_software { Mode::Shaded } else { Mode::Textured };
         let mode = Mode::ALL.into_iter().find(|mode| mode.name() == preferences.mode).unwrap_or(first_mode);
-        let thumbnails = Thumbnails::new(Arc::clone(&options.wake));
+        let thumbnails = Thumbnails::new(Arc::clone(&wake));
         let mut panels = Panels::default();
         if !preferences.has_seen_tutorial {
             panels.dialog = Some(Dialog::Tutorial { step: 0 });
@@ -104,6 +112,7 @@ impl Editor {
             tool: Tool::new(&preferences.brush, preferences.brushes.clone()),
             keymap: preferences.keymap(),
             options: EditorOptions { preferences: preferences_file, ..options },
+            wake,
             written: preferences.clone(),
             preferences,
             gpu,
@@ -133,7 +142,7 @@ impl Editor {
 
     /// Opens a terrain in the place of the one that is open.
     pub fn open(&mut self, path: &Path) {
-        let wake = Arc::clone(&self.options.wake);
+        let wake = Arc::clone(&self.wake);
         // The file is no one else's while it is open, not even this editor's.
         if self.document.as_ref().is_some_and(|document| document.path == path) {
             return;
@@ -245,7 +254,6 @@ impl Editor {
         let text = text.into();
         if is_error {
             tracing::warn!("{text}");
-            self.panels.shows_message = true;
         }
         self.messages.push(Message { text, is_error });
         let num_over = self.messages.len().saturating_sub(MAX_MESSAGES);
@@ -394,12 +402,9 @@ impl Editor {
             ui.ctx().request_repaint_after(wait);
         }
         let size_px = self.quality.size_px(room_px);
-        let layer = document.layer;
-        let is_on_mask = self.tool.is_on_mask || document.has_only_mask();
         // The ring is that of a stroke that could be drawn; a brush that lacks something has none.
-        let mut of_ring = self.tool.clone();
-        of_ring.is_on_mask = is_on_mask;
-        let ring = of_ring.stroke(layer, Twist::None, &self.options.presets);
+        let is_on_mask = document.has_only_mask();
+        let ring = self.tool.stroke(document.layer, is_on_mask, Twist::None, &self.options.presets);
         self.request.cursors =
             ring.map(|stroke| self.viewport.cursors(&stroke, document)).unwrap_or_default();
         let source = self.tool.source_m().map(|centre_m| Cursor {
@@ -441,10 +446,8 @@ impl Editor {
         let Some(document) = &mut self.document else { return };
         match wish {
             Wish::Begin(twist) => {
-                let was_on_mask = self.tool.is_on_mask;
-                self.tool.is_on_mask |= document.has_only_mask();
-                let stroke = self.tool.stroke(document.layer, twist, &self.options.presets);
-                self.tool.is_on_mask = was_on_mask;
+                let is_on_mask = document.has_only_mask();
+                let stroke = self.tool.begin(document.layer, is_on_mask, twist, &self.options.presets);
                 match stroke {
                     Ok(stroke) => {
                         let what = format!("stroke {}", stroke.brush().brush_type.name());

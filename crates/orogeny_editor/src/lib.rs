@@ -28,4 +28,4 @@ pub use editor::{Editor, EditorOptions};
 pub use error::{Error, Result};
 pub use keymap::{Habit, Keymap};
 pub use preferences::Preferences;
-pub use window::{Start, run};
+pub use window::run;

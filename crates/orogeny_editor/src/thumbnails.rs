@@ -1,13 +1,14 @@
 //! Small pictures of brushes: each painted on a small terrain of its own, by a thread that does nothing else.
 
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::Builder;
 
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use orogeny_engine::{Picture, Preset};
 use serde_json::{Map, Value};
+
+use crate::editor::Wake;
 
 /// Pixels along x.
 const WIDTH_PX: u32 = 160;
@@ -43,7 +44,7 @@ impl std::fmt::Debug for Thumbnails {
 
 impl Thumbnails {
     /// None yet. `wake` is called when there is one more.
-    pub fn new(wake: Arc<dyn Fn() + Send + Sync>) -> Self {
+    pub fn new(wake: Wake) -> Self {
         let (asked, to_draw) = channel();
         let (sender, made) = channel();
         // Without the thread there are no pictures, and nothing else is missing.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use orogeny_engine::session::Status;
-use orogeny_engine::{BrushOperation, BrushType, Operation, Parameter, ParameterKind, Presets, brush_schema};
+use orogeny_engine::{BrushOperation, BrushType, Coverage, Operation, Parameter, ParameterKind, Presets};
 use serde_json::{Map, Value, json};
 
 use crate::Result;
@@ -120,20 +120,24 @@ impl Tool {
     /// Whether its strength is in metres.
     #[must_use]
     pub fn is_in_metres(&self) -> bool {
-        brush_schema(self.brush_type).get("x-strength-is").is_some_and(|unit| unit == "metres")
+        self.brush_type.coverage() == Coverage::Additive
+    }
+
+    /// What its strength is as recipes have it, where its share is 1.
+    fn full_strength(&self) -> f64 {
+        if self.is_in_metres() { FULL_STRENGTH * self.radius_m() } else { 1.0 }
     }
 
     /// How strong it is, 0..1, the same for all brushes: of one whose strength is in metres, 1 is a fifth of its radius a pass.
     #[must_use]
     pub fn share(&self) -> f64 {
-        let scale = if self.is_in_metres() { FULL_STRENGTH * self.radius_m() } else { 1.0 };
-        self.number("strength").map_or(0.5, |strength| strength / scale)
+        self.number("strength").map_or(0.5, |strength| strength / self.full_strength())
     }
 
     /// Its strength as recipes have it.
     #[must_use]
     pub fn strength(&self) -> f64 {
-        self.share() * if self.is_in_metres() { FULL_STRENGTH * self.radius_m() } else { 1.0 }
+        self.share() * self.full_strength()
     }
 
     /// Makes it another size, and leaves the share of its strength as it is.
@@ -148,9 +152,8 @@ impl Tool {
 
     /// Makes it weaker or stronger.
     pub fn set_share(&mut self, share: f64) {
-        let scale = if self.is_in_metres() { FULL_STRENGTH * self.radius_m() } else { 1.0 };
         let (low, high) = limits(self.brush_type, "strength");
-        self.set("strength", Some((share * scale).clamp(low, high).into()));
+        self.set("strength", Some((share * self.full_strength()).clamp(low, high).into()));
     }
 
     /// A step of the keys, up or down.
@@ -190,25 +193,50 @@ impl Tool {
     }
 
     /// What it paints on, as recipes have it.
-    const fn target(&self) -> &'static str {
-        match (self.is_on_selection, self.is_on_mask || self.brush_type.is_for_masks()) {
+    const fn target(&self, is_on_mask: bool) -> &'static str {
+        match (self.is_on_selection, is_on_mask || self.is_on_mask || self.brush_type.is_for_masks()) {
             (true, _) => "selection",
             (false, true) => "mask",
             (false, false) => "seen",
         }
     }
 
-    /// A stroke without points on a layer.
+    /// The next stroke has chances of its own.
+    const fn next_seed(&mut self) {
+        self.seed = self.seed.wrapping_add(1);
+    }
+
+    /// A stroke without points that begins now: see [`Self::stroke`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn begin(
+        &mut self,
+        layer: u32,
+        is_on_mask: bool,
+        twist: Twist,
+        presets: &Presets,
+    ) -> Result<BrushOperation> {
+        self.next_seed();
+        self.stroke(layer, is_on_mask, twist, presets)
+    }
+
+    /// A stroke without points on a layer, or on its mask where that is all that can be painted on.
     ///
     /// # Errors
     /// What is wrong with its parameters.
-    pub fn stroke(&mut self, layer: u32, twist: Twist, presets: &Presets) -> Result<BrushOperation> {
-        self.seed = self.seed.wrapping_add(1);
+    pub fn stroke(
+        &self,
+        layer: u32,
+        is_on_mask: bool,
+        twist: Twist,
+        presets: &Presets,
+    ) -> Result<BrushOperation> {
         let value = json!({
             "op": "stroke",
             "seed": self.seed,
             "layer": layer,
-            "target": self.target(),
+            "target": self.target(is_on_mask),
             "brush": self.brush_json(twist),
             "points": [],
         });
@@ -224,11 +252,11 @@ impl Tool {
     /// # Errors
     /// What is wrong with its parameters.
     pub fn fill(&mut self, layer: u32, presets: &Presets) -> Result<Operation> {
-        self.seed = self.seed.wrapping_add(1);
+        self.next_seed();
         let mut brush = self.brush_json(Twist::None);
         brush.remove("radius");
         let value = json!({
-            "op": "fill", "seed": self.seed, "layer": layer, "target": self.target(), "brush": brush,
+            "op": "fill", "seed": self.seed, "layer": layer, "target": self.target(false), "brush": brush,
         });
         Ok(Operation::from_json_with(value, presets)?)
     }
@@ -277,7 +305,7 @@ mod tests {
                 _ => {}
             }
             for twist in [Twist::None, Twist::Inverted, Twist::Smooth] {
-                tool.stroke(1, twist, Presets::factory())
+                tool.stroke(1, false, twist, Presets::factory())
                     .unwrap_or_else(|err| panic!("{brush_type:?}: {err}"));
             }
         }

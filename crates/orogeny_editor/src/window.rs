@@ -1,13 +1,13 @@
 //! The program's window: input to the editor, the editor's frames to the screen.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::ViewportId;
 use egui_wgpu::{RendererOptions, ScreenDescriptor};
 use egui_winit::accesskit_winit;
-use orogeny_engine::{Gpu, Presets, Settings, WindowGpu, window_gpu};
+use orogeny_engine::{Gpu, Settings, WindowGpu, window_gpu};
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
 use winit::event::WindowEvent;
@@ -21,26 +21,6 @@ use crate::{Error, Result};
 const FIRST_SIZE: LogicalSize<f64> = LogicalSize::new(1440.0, 900.0);
 /// The longest that is waited between two looks at what happened.
 const LONGEST_WAIT: Duration = Duration::from_millis(500);
-
-/// What the program's window is started with.
-pub struct Start {
-    /// How terrains are worked on.
-    pub settings: Settings,
-    /// What there is to paint with beside the brushes.
-    pub presets: Presets,
-    /// Where preferences are kept; `None`: nowhere.
-    pub preferences: Option<PathBuf>,
-    /// Makes the terrain that comes along, where it is not there yet, and tells its file.
-    pub bundled: Box<dyn Fn() -> orogeny_engine::Result<PathBuf>>,
-    /// The terrain to open; `None`: the one that was open last.
-    pub file: Option<PathBuf>,
-}
-
-impl std::fmt::Debug for Start {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Start").field("file", &self.file).finish_non_exhaustive()
-    }
-}
 
 /// Something happened outside of the window.
 #[derive(Debug)]
@@ -57,14 +37,14 @@ impl From<accesskit_winit::Event> for Happened {
     }
 }
 
-/// Opens the window, and returns when it was closed.
+/// Opens the window with a terrain, or for `None` with the one that was open last; returns when it was closed.
 ///
 /// # Errors
 /// [`Error::Window`] when there is no screen; [`Error::Engine`] when nothing can draw in it.
-pub fn run(start: Start) -> Result<()> {
+pub fn run(options: EditorOptions, file: Option<PathBuf>) -> Result<()> {
     let events = EventLoop::<Happened>::with_user_event().build().map_err(|err| no_window(&err))?;
     let proxy = events.create_proxy();
-    let mut program = Program { start: Some(start), proxy, shown: None, failure: None };
+    let mut program = Program { start: Some((options, file)), proxy, shown: None, failure: None };
     events.run_app(&mut program).map_err(|err| no_window(&err))?;
     program.failure.map_or(Ok(()), Err)
 }
@@ -75,7 +55,7 @@ fn no_window(err: &dyn std::fmt::Display) -> Error {
 
 struct Program {
     /// Until there is a window.
-    start: Option<Start>,
+    start: Option<(EditorOptions, Option<PathBuf>)>,
     proxy: EventLoopProxy<Happened>,
     shown: Option<Shown>,
     /// What ended it.
@@ -214,24 +194,27 @@ impl Screen {
 }
 
 impl Shown {
-    fn new(events: &ActiveEventLoop, start: Start, proxy: EventLoopProxy<Happened>) -> Result<Self> {
+    fn new(
+        events: &ActiveEventLoop,
+        options: EditorOptions,
+        file: Option<&Path>,
+        proxy: EventLoopProxy<Happened>,
+    ) -> Result<Self> {
         // Assistance has to be there before the window is seen.
         let attributes = Window::default_attributes()
             .with_title("Orogeny")
             .with_inner_size(FIRST_SIZE)
             .with_visible(false);
         let window = Arc::new(events.create_window(attributes).map_err(|err| no_window(&err))?);
-        let screen = Screen::new(&window, &start.settings)?;
+        let screen = Screen::new(&window, &options.settings)?;
         let input = new_input(events, &window, &screen.gpu, proxy.clone());
         window.set_visible(true);
         // An event loop that has ended wakes no one.
         let of_editor = proxy.clone();
-        let wake = Arc::new(move || _ = of_editor.send_event(Happened::News).ok());
-        let Start { settings, presets, preferences, bundled, file } = start;
-        let options = EditorOptions { settings, presets, preferences, bundled, wake };
-        let mut editor = Editor::new(options, screen.gpu.clone());
+        let wake = move || _ = of_editor.send_event(Happened::News).ok();
+        let mut editor = Editor::new(options, screen.gpu.clone(), wake);
         match file {
-            Some(file) => editor.open(&file),
+            Some(file) => editor.open(file),
             None => editor.open_last(),
         }
         window.request_redraw();
@@ -307,8 +290,8 @@ fn new_input(
 
 impl ApplicationHandler<Happened> for Program {
     fn resumed(&mut self, events: &ActiveEventLoop) {
-        let Some(start) = self.start.take() else { return };
-        match Shown::new(events, start, self.proxy.clone()) {
+        let Some((options, file)) = self.start.take() else { return };
+        match Shown::new(events, options, file.as_deref(), self.proxy.clone()) {
             Ok(shown) => self.shown = Some(shown),
             Err(err) => {
                 self.failure = Some(err);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use orogeny_editor::Start;
+use orogeny_editor::EditorOptions;
 use orogeny_engine::presets::user_folder;
 use orogeny_engine::{Error, ImportRequest, Quiet, Settings, Terrain};
 
@@ -27,14 +27,13 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let settings = session.settings();
     let of_bundled = settings.clone();
-    let start = Start {
+    let options = EditorOptions {
         settings,
         presets: session.presets(),
         preferences: arguments.preferences.clone().or_else(|| Some(user_folder()?.join("editor.json"))),
         bundled: Box::new(move || bundled(&of_bundled)),
-        file: arguments.terrain.clone(),
     };
-    Ok(orogeny_editor::run(start)?)
+    Ok(orogeny_editor::run(options, arguments.terrain.clone())?)
 }
 
 /// The terrain that comes along, made in the user's folder where it is not there yet.

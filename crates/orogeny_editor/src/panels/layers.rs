@@ -1,14 +1,11 @@
 //! The layer stack, the uppermost first.
 
 use egui::{ComboBox, Slider, TextEdit, Ui};
-use orogeny_engine::LayerDescription;
+use orogeny_engine::{Blend, LayerDescription};
 use serde_json::{Value, json};
 
 use crate::command::{Command, capitalised};
 use crate::editor::Editor;
-
-/// How layers join what is below them.
-const BLENDS: [&str; 7] = ["add", "subtract", "max", "min", "multiply", "replace", "laplacian"];
 
 pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
     ui.heading("Layers");
@@ -137,16 +134,17 @@ fn details(ui: &mut Ui, layer: &LayerDescription, operations: &mut Vec<(String, 
             operations.push(("opacity of a layer".to_owned(), operation));
         }
     }
-    let before = layer.blend.name();
-    let mut blend = before;
-    ComboBox::from_label("Blend").selected_text(blend).show_ui(ui, |ui| {
-        for name in BLENDS {
-            ui.selectable_value(&mut blend, name, name);
+    let mut blend = layer.blend;
+    ComboBox::from_label("Blend").selected_text(blend.name()).show_ui(ui, |ui| {
+        for other in Blend::ALL {
+            ui.selectable_value(&mut blend, other, other.name());
         }
     });
-    if blend != before {
-        operations
-            .push(("blend of a layer".to_owned(), json!({"op": "set_layer", "layer": id, "blend": blend})));
+    if blend != layer.blend {
+        operations.push((
+            "blend of a layer".to_owned(),
+            json!({"op": "set_layer", "layer": id, "blend": blend.name()}),
+        ));
     }
     if layer.is_stale
         && ui.button("Work out again").on_hover_text("What is below it has changed since").clicked()

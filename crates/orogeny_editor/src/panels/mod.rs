@@ -47,8 +47,6 @@ pub(crate) struct Panels {
     pub(crate) preset_name: String,
     /// Whether the list of all messages is open.
     pub(crate) shows_messages: bool,
-    /// Whether the last message is to be seen.
-    pub(crate) shows_message: bool,
 }
 
 /// Draws all of them but dialogs.

@@ -1,7 +1,6 @@
 //! An editor in a window that no one sees.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
@@ -66,10 +65,9 @@ impl Window {
                 make_terrain(&bundled);
                 Ok(bundled.clone())
             }),
-            wake: Arc::new(|| {}),
         };
         let gpu = drawing_gpu(&Settings { adapter: Adapter::Software, ..settings() }).unwrap();
-        let editor = Editor::new(options, gpu);
+        let editor = Editor::new(options, gpu, || {});
         let harness = Harness::builder().with_size([1000.0, 760.0]).with_max_steps(64).build_ui_state(
             |ui, editor: &mut Editor| {
                 let start = Instant::now();
