@@ -3,7 +3,7 @@
 //! Undo goes to the parent, redo to the child last come from. A new operation after an undo starts a branch: the
 //! undone entries stay, and redo no longer leads to them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use orogeny_field::{Page, PageKey, SampleRect};
@@ -259,6 +259,23 @@ impl Store {
             pyramid::refresh(db, document.grid, document.layout, |key| stack.constant(key), changed)?;
             Ok(changes)
         })
+    }
+
+    /// Undoes all entries after `target`, in the transaction that is running, and gives the pages that changed.
+    pub(crate) fn step_back(
+        &self,
+        document: &mut Document,
+        target: EntryId,
+        changed: &mut Changed,
+    ) -> Result<Vec<PageKey>> {
+        let mut pages = BTreeSet::new();
+        while document.head != target {
+            let parent = self.db.entry(document.head)?.parent;
+            let parent = parent.ok_or(Error::UnknownEntry { entry: target })?;
+            pages.extend(self.step_over(document.head, Direction::Undo, changed)?.pages);
+            document.head = parent;
+        }
+        Ok(pages.into_iter().collect())
     }
 
     /// Undoes or redoes one entry: pages, then layers.

@@ -82,6 +82,24 @@ impl<'store> Transaction<'store> {
         &self.stack.layers
     }
 
+    /// Takes back the entries after `entry`, before anything else is done: what is recorded next is done on top of it. They are left
+    /// behind as a branch. Gives the pages that changed.
+    ///
+    /// # Errors
+    /// [`Error::UnknownEntry`] for one that is not among those that show; [`Error::TransactionFailed`] when something was written before;
+    /// else as [`Store::undo`]. After any error the transaction can only be dropped.
+    pub fn go_back_to(&mut self, entry: EntryId) -> Result<Vec<PageKey>> {
+        self.refuse_after_failure()?;
+        if !self.changed.is_empty() {
+            return Err(Error::TransactionFailed);
+        }
+        let gone_back = self.store.step_back(&mut self.document, entry, &mut self.changed).and_then(|pages| {
+            self.stack = Stack::load(&self.store.db)?;
+            Ok(pages)
+        });
+        self.fail_with(gone_back)
+    }
+
     /// Reads a page as this transaction left it; `None` where the field holds its constant.
     ///
     /// # Errors

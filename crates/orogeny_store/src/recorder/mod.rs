@@ -329,6 +329,17 @@ impl Recording<'_> {
         &self.layers
     }
 
+    /// Takes back the entries after `entry`, as [`Transaction::go_back_to`], before anything else is done, and waits for it.
+    ///
+    /// # Errors
+    /// As there; the recording can then only be dropped.
+    pub fn go_back_to(&mut self, entry: EntryId) -> Result<Vec<PageKey>> {
+        let pages = self.change_layers(move |transaction| transaction.go_back_to(entry))?;
+        self.recorder.recent.clear();
+        self.number = self.recorder.shared.lock().add_changed(self.number, &pages);
+        Ok(pages)
+    }
+
     /// Reads a page as this recording left it; `None` where the field holds its constant.
     ///
     /// # Errors

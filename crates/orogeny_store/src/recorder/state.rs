@@ -71,6 +71,15 @@ impl State {
         self.pending_bytes += pages.iter().map(|(_, page)| size_of(page)).sum::<u64>();
     }
 
+    /// Pages changed within the transaction, by the thread alone, as an entry before the one that is being painted; gives the number of
+    /// the latter.
+    pub(super) fn add_changed(&mut self, number: u64, pages: &[PageKey]) -> u64 {
+        if let Some(entry) = self.entries.iter_mut().find(|entry| entry.number == number) {
+            entry.pages.extend(pages.iter().map(|key| (*key, Kept::InTransaction)));
+        }
+        self.add_entry()
+    }
+
     /// Where a page is, as the last entry before `before` left it (as the last of all for `None`); `None`: on disk.
     pub(super) fn kept(&self, key: &PageKey, before: Option<u64>) -> Option<Kept> {
         let is_asked_for = |entry: &&Entry| before.is_none_or(|before| entry.number < before);

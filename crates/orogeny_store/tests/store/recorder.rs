@@ -222,3 +222,81 @@ fn what_is_counted_is_what_is_on_its_way() {
     );
     let _: Option<Arc<Page>> = recorder.load_page(&at).unwrap();
 }
+
+#[test]
+fn what_is_done_after_going_back_stands_on_what_was_there_before() {
+    let scratch = Scratch::new();
+    let (mut recorder, at) = recorder(&scratch, AMPLE_BYTES);
+    let [beside, new] = [PageKey { x: 2, ..at }, PageKey { x: 3, ..at }];
+    for (key, seed) in [(at, 1), (at, 2), (beside, 3)] {
+        let mut recording = recorder.begin().unwrap();
+        recording.write_pages(vec![(key, page(seed))]).unwrap();
+        recording.record(format!("{{\"seed\": {seed}}}"), "test").unwrap();
+        recording.finish().unwrap();
+    }
+    recorder.flush().unwrap();
+    let states = |recorder: &Recorder| {
+        let log = recorder.on_disk().unwrap().log().unwrap();
+        log.iter().map(|entry| (entry.parent.0, entry.state)).collect::<Vec<_>>()
+    };
+    let before = states(&recorder);
+    for is_finished in [false, true] {
+        let mut recording = recorder.begin().unwrap();
+        assert_eq!(recording.go_back_to(EntryId(1)).unwrap(), [at, beside]);
+        let seen = |recording: &mut orogeny_store::Recording<'_>, key| {
+            let now = recording.load_page(&key).unwrap().map(|page| bits(&page));
+            let past = recording.load_page_before(&key).unwrap().map(|page| bits(&page));
+            [now, past]
+        };
+        assert_eq!(seen(&mut recording, at), [Some(bits(&page(1))), Some(bits(&page(1)))]);
+        assert_eq!(seen(&mut recording, beside), [None, None]);
+        recording.write_pages(vec![(beside, page(4)), (new, page(5))]).unwrap();
+        assert_eq!(seen(&mut recording, beside), [Some(bits(&page(4))), None]);
+        assert_eq!(recording.record("{}".to_owned(), "test").unwrap(), EntryId(4));
+        if is_finished {
+            recording.finish().unwrap();
+            recorder.flush().unwrap();
+        } else {
+            drop(recording);
+            assert_eq!(states(&recorder), before);
+            assert_eq!(read(&recorder, &at), Some(bits(&page(2))));
+            assert_eq!(read(&recorder, &beside), Some(bits(&page(3))));
+        }
+    }
+    use EntryState::{Applied, Branch};
+    assert_eq!(states(&recorder), [(0, Applied), (1, Branch), (2, Branch), (1, Applied)]);
+    assert_eq!(read(&recorder, &at), Some(bits(&page(1))));
+    assert_eq!(read(&recorder, &beside), Some(bits(&page(4))));
+    assert_eq!(recorder.jump(EntryId(3)).unwrap().len(), 3);
+    assert_eq!(read(&recorder, &beside), Some(bits(&page(3))));
+    assert_eq!(read(&recorder, &new), None);
+    recorder.close().unwrap();
+    assert_whole(&Store::open(&scratch.path()).unwrap());
+}
+
+#[test]
+fn going_back_comes_first_and_to_what_shows() {
+    let scratch = Scratch::new();
+    let (mut recorder, at) = recorder(&scratch, AMPLE_BYTES);
+    let paint = |recorder: &mut Recorder, seed| {
+        let mut recording = recorder.begin().unwrap();
+        recording.write_pages(vec![(at, page(seed))]).unwrap();
+        recording.record("{}".to_owned(), "test").unwrap();
+        recording.finish().unwrap();
+    };
+    paint(&mut recorder, 1);
+    paint(&mut recorder, 2);
+    recorder.undo(1).unwrap();
+    let mut recording = recorder.begin().unwrap();
+    let unknown = recording.go_back_to(EntryId(2)).unwrap_err();
+    assert!(matches!(unknown, Error::UnknownEntry { entry: EntryId(2) }), "{unknown}");
+    drop(recording);
+    let mut recording = recorder.begin().unwrap();
+    recording.write_pages(vec![(at, page(3))]).unwrap();
+    let late = recording.go_back_to(EntryId(0)).unwrap_err();
+    assert!(matches!(late, Error::TransactionFailed), "{late}");
+    drop(recording);
+    assert_eq!(read(&recorder, &at), Some(bits(&page(1))));
+    recorder.close().unwrap();
+    assert_whole(&Store::open(&scratch.path()).unwrap());
+}
