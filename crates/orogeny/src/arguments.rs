@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
     apply, brushes, check, compact, custom, demo, doctor, edit, export, import, info, jump, layer, log,
-    materials, new, presets, redo, render, replay, salvage, undo,
+    materials, new, presets, redo, render, replay, salvage, serve, undo,
 };
 
 /// A GPU brush engine for heightfields: make, import, brush, undo, draw and export terrains.
@@ -52,6 +52,8 @@ pub struct Global {
 pub enum Command {
     /// Open a window to paint in
     Edit(edit::Arguments),
+    /// Let other programs and browsers read and brush terrains
+    Serve(serve::Arguments),
     /// Make a flat terrain
     New(new::Arguments),
     /// Read a file of another program: makes a terrain of it, or writes it into a layer of one

@@ -21,6 +21,14 @@ pub fn watch() {
     });
 }
 
+/// Waits until the user wants the work to stop.
+pub fn wait() {
+    watch();
+    while !is_requested() {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+}
+
 /// Whether the user wants the work to stop.
 pub fn is_requested() -> bool {
     IS_REQUESTED.load(Ordering::SeqCst)

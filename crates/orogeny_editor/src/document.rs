@@ -122,7 +122,7 @@ impl Document {
                         job.progress = Some(progress);
                     }
                 }
-                Event::Done { ticket, applied } => {
+                Event::Done { ticket, applied, .. } => {
                     self.end(ticket);
                     if let Some(made) = applied.iter().find_map(|applied| applied.made_layer) {
                         self.layer = made;
@@ -136,7 +136,7 @@ impl Document {
                         messages.push(Message { text, is_error: false });
                     }
                 }
-                Event::Failed { ticket, message, is_cancelled } => {
+                Event::Failed { ticket, message, is_cancelled, .. } => {
                     self.end(ticket);
                     let text =
                         if is_cancelled { "cancelled: nothing was changed".to_owned() } else { message };

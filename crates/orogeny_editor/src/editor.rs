@@ -316,9 +316,11 @@ impl Editor {
     /// Closes the window, once what is under way is done.
     pub fn request_close(&mut self) {
         self.is_closing = true;
-        if let Some(document) = self.document.as_mut().filter(|document| document.stroke.is_some()) {
+        if let Some(document) = &mut self.document
+            && let Some(stroke) = document.stroke
+        {
             // The hand is off the ground.
-            document.session.lift();
+            document.session.lift(stroke);
             document.end_stroke();
             self.viewport.let_go();
         }
@@ -462,20 +464,21 @@ impl Editor {
                     }
                 }
             }
-            Wish::Points(points) if document.stroke.is_some() => {
+            Wish::Points(points) => {
+                let Some(stroke) = document.stroke else { return };
                 let has_time = self.tool.object().get("airbrush").and_then(Value::as_bool) == Some(true);
                 let sample = |point: Point| {
                     let [x_m, z_m] = point.place_m;
                     let sample = PointerSample::at(x_m, z_m).with_pressure(point.pressure);
                     PointerSample { time_s: has_time.then_some(point.time_s), ..sample }
                 };
-                document.session.push_points(points.into_iter().map(sample).collect());
+                document.session.push_points(stroke, points.into_iter().map(sample).collect());
             }
-            Wish::Lift if document.stroke.is_some() => {
-                document.session.lift();
+            Wish::Lift => {
+                let Some(stroke) = document.stroke else { return };
+                document.session.lift(stroke);
                 document.end_stroke();
             }
-            Wish::Points(_) | Wish::Lift => {}
         }
     }
 

@@ -13,6 +13,7 @@ use orogeny_store::{EntryId, Layer, Recording};
 use crate::clone_source;
 use crate::composite::{Change, Compositor};
 use crate::hand::{Hand, Known, SoFar, check_num_points};
+use crate::import::RecordedImport;
 use crate::layers::{Changed, Stack, refuse_locked, refused};
 use crate::operation::{self, BrushOperation, LayerOperation};
 use crate::pages::RecordedPages;
@@ -50,6 +51,22 @@ pub struct Applied {
     pub elapsed_s: f64,
     /// What it met on its way.
     pub notices: Notices,
+}
+
+impl Applied {
+    /// Of an import.
+    pub(crate) fn import(entry: EntryId, made_layer: Option<u32>, num_pages: usize) -> Self {
+        Self {
+            entry,
+            operation: RecordedImport::OP,
+            brush: None,
+            made_layer,
+            num_pages,
+            change: None,
+            elapsed_s: 0.0,
+            notices: Notices::default(),
+        }
+    }
 }
 
 /// What running operations needs.
@@ -171,7 +188,7 @@ impl Terrain {
     }
 
     /// Does something in one transaction.
-    fn record<T>(
+    pub(crate) fn record<T>(
         &mut self,
         observer: &mut dyn Observer,
         after: After,
@@ -202,13 +219,13 @@ impl Terrain {
 
 /// What becomes of operations that have run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum After {
+pub(crate) enum After {
     Commit,
     TakeBack,
 }
 
 /// Runs operations one after another.
-fn apply_all(
+pub(crate) fn apply_all(
     operations: &[Operation],
     author: &str,
     site: &mut Site<'_>,

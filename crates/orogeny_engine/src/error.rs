@@ -212,6 +212,22 @@ pub enum Error {
         /// Why.
         detail: String,
     },
+    /// A file that an operation of someone else may not read. Give one in the folder that is open to it.
+    #[error(
+        "the file `{file}` is not among those that may be read here: give the name of one below the folder of shared files"
+    )]
+    FileNotAllowed {
+        /// What was named.
+        file: String,
+    },
+    /// An operation that cannot be taken back from under those that were done since. Undo those first.
+    #[error("entry {entry} cannot be taken back: {detail}")]
+    CannotTakeBack {
+        /// The operation.
+        entry: u32,
+        /// Why, with the operations that are in the way.
+        detail: String,
+    },
     /// A level that the terrain does not have.
     #[error("there is no level {level}: the coarsest is {top}")]
     UnknownLevel {
@@ -294,6 +310,18 @@ impl Error {
             Self::Gpu(err) => Some(err),
             Self::InRecipe { source, .. } => source.gpu(),
             _ => None,
+        }
+    }
+
+    /// Whether the machine is to blame, and not what was asked for.
+    #[must_use]
+    pub fn is_fault(&self) -> bool {
+        match self {
+            Self::InRecipe { source, .. } => source.is_fault(),
+            Self::Store(err) => !err.is_refusal(),
+            Self::Thread { .. } | Self::Gpu(_) | Self::NothingDraws { .. } | Self::Write { .. } => true,
+            Self::Brush(err) => err.gpu().is_some(),
+            _ => false,
         }
     }
 }

@@ -49,6 +49,10 @@ pub struct ExportSummary {
     pub width: u32,
     /// Samples along z.
     pub depth: u32,
+    /// The place of the first sample, `[x, z]` in metres.
+    pub at_m: [f64; 2],
+    /// Metres between samples.
+    pub spacing_m: f64,
     /// What was rounded or left out, for people.
     pub notices: Vec<String>,
 }
@@ -90,7 +94,9 @@ impl Terrain {
             report(observer, "exporting", num_rows, u64::from(depth))?;
         }
         let notices = file.finish()?.notices;
-        Ok(ExportSummary { file: request.file.clone(), width, depth, notices })
+        let spacing_m = self.grid().spacing_m() * f64::from(1_u32 << level);
+        let at_m = [rect.x0, rect.z0].map(|sample| f64::from(sample) * spacing_m);
+        Ok(ExportSummary { file: request.file.clone(), width, depth, at_m, spacing_m, notices })
     }
 
     /// The heights of a region at a level, row by row, or a layer's, or how much counts where, as [`Self::export`] writes them; with

@@ -10,6 +10,7 @@ use orogeny_formats::{Import, ImportOptions};
 use orogeny_store::{BlobHash, EntryId, Layer, NewLayer, Recording};
 
 use crate::access::{PAGES_AT_ONCE, band_bytes, band_rows};
+use crate::composite::Change;
 use crate::layers::{refuse_locked, refused};
 use crate::progress::report;
 use crate::terrain::find_layer;
@@ -42,6 +43,8 @@ pub struct ImportSummary {
     pub depth: u32,
     /// Metres between samples.
     pub spacing_m: f64,
+    /// Where its north-west sample went, in metres.
+    pub at_m: [f64; 2],
     /// The layer's name.
     pub layer: String,
     /// Whether the layer was made for it.
@@ -113,51 +116,90 @@ impl Terrain {
     ) -> Result<ImportSummary> {
         let grid = self.grid();
         let (width, depth) = (raster.info().width, raster.info().depth);
-        let target = raster_rect(&grid, request.at_m, width, depth)?;
-        let inside = target.intersection(&grid.bounds());
-        if inside != target {
-            notices.push(format!(
-                "{} samples beyond the terrain's edge were left out",
-                target.area() - inside.area()
-            ));
-        }
         let author = self.settings().author.clone();
         let band_bytes = band_bytes(self.settings().page_budget_in_bytes);
         // Strokes that turn out to have failed go from the executor's memory too.
         self.flush()?;
-        let read_at = stamp(&request.file)?;
         let mut recording = self.recorder()?.begin()?;
-        let (layer, made_layer) = target_layer(&mut recording, request.layer.as_deref())?;
-        let written = write_rows(&mut recording, raster, &layer, target, &inside, band_bytes, observer)?;
-        let operation = RecordedImport {
-            op: RecordedImport::OP.to_owned(),
-            layer: layer.id,
-            new_layer: made_layer.then(|| layer.name.clone()),
-            file: request.file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-            blake3: keep_file(&mut recording, &request.file)?.to_string(),
-            options: request.options.clone(),
-            at: request.at_m,
-            width,
-            depth,
-        };
-        if stamp(&request.file)? != read_at {
-            let source = std::io::Error::other("it was changed while it was imported: import it again");
-            return Err(Error::Read { path: request.file.clone(), source });
-        }
-        let entry = recording.record(operation.to_json()?, &author)?;
+        let done = run_import(&mut recording, raster, request, grid, &author, band_bytes, observer)?;
         recording.finish()?;
         self.flush()?;
-        self.forget_pages(&written);
+        self.forget_pages(&done.pages);
+        if done.num_left_out > 0 {
+            notices.push(format!("{} samples beyond the terrain's edge were left out", done.num_left_out));
+        }
         Ok(ImportSummary {
-            entry,
+            entry: done.entry,
             width,
             depth,
             spacing_m: grid.spacing_m(),
-            layer: layer.name,
-            made_layer,
+            at_m: request.at_m,
+            layer: done.layer.name,
+            made_layer: done.made_layer,
             notices,
         })
     }
+}
+
+impl Terrain {
+    /// What an import changed of one field; `None` where it changed more.
+    pub(crate) fn changed_by(&self, summary: &ImportSummary) -> Option<Change> {
+        if summary.made_layer {
+            return None;
+        }
+        let layer = self.layer(Some(&LayerReference::Name(summary.layer.clone()))).ok()?;
+        let rect = raster_rect(&self.grid(), summary.at_m, summary.width, summary.depth).ok()?;
+        Some(Change { field: layer.heights, rect: rect.intersection(&self.grid().bounds()) })
+    }
+}
+
+/// What an import wrote.
+pub(crate) struct Imported {
+    pub(crate) entry: EntryId,
+    pub(crate) layer: Layer,
+    pub(crate) made_layer: bool,
+    pub(crate) pages: Vec<PageKey>,
+    /// Samples beyond the terrain's edge.
+    pub(crate) num_left_out: u64,
+}
+
+/// Writes a raster into a layer, as one entry of the history.
+///
+/// # Errors
+/// As [`Terrain::import`]; the recording is then to be dropped.
+pub(crate) fn run_import(
+    recording: &mut Recording<'_>,
+    raster: &mut Import,
+    request: &ImportRequest,
+    grid: TerrainGrid,
+    author: &str,
+    max_band_bytes: u64,
+    observer: &mut dyn Observer,
+) -> Result<Imported> {
+    let (width, depth) = (raster.info().width, raster.info().depth);
+    let target = raster_rect(&grid, request.at_m, width, depth)?;
+    let inside = target.intersection(&grid.bounds());
+    let read_at = stamp(&request.file)?;
+    let (layer, made_layer) = target_layer(recording, request.layer.as_deref())?;
+    let pages = write_rows(recording, raster, &layer, target, &inside, max_band_bytes, observer)?;
+    let operation = RecordedImport {
+        op: RecordedImport::OP.to_owned(),
+        layer: layer.id,
+        new_layer: made_layer.then(|| layer.name.clone()),
+        file: request.file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        blake3: keep_file(recording, &request.file)?.to_string(),
+        options: request.options.clone(),
+        at: request.at_m,
+        width,
+        depth,
+    };
+    if stamp(&request.file)? != read_at {
+        let source = std::io::Error::other("it was changed while it was imported: import it again");
+        return Err(Error::Read { path: request.file.clone(), source });
+    }
+    let entry = recording.record(operation.to_json()?, author)?;
+    let num_left_out = target.area() - inside.area();
+    Ok(Imported { entry, layer, made_layer, pages, num_left_out })
 }
 
 /// What the history records of an import: with the data that it names, enough to do it again.

@@ -44,12 +44,14 @@ mod palette;
 mod picture;
 pub mod presets;
 mod progress;
+mod recorded;
 mod relief;
 mod replay;
 mod resources;
 mod seen;
 mod select;
 pub mod session;
+mod take_back;
 mod terrain;
 mod view;
 mod whole_file;
@@ -84,6 +86,7 @@ pub use picture::Picture;
 pub use presets::{Preset, Presets};
 pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;
+pub use take_back::Redone;
 pub use terrain::Terrain;
 pub use view::{
     Drawn, Flight, HeightAt, LiveView, MaterialDescription, Materials, Place, View, ViewRequest, WindowGpu,

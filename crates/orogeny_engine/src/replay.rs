@@ -1,16 +1,14 @@
 //! Doing again what the history says, on a new terrain: the same operations give the same heights.
 
-use std::collections::HashMap;
-use std::io::Write as _;
 use std::path::Path;
 
-use orogeny_store::{BlobHash, Entry, EntryState, NewLayer, NewTerrain, Store};
+use orogeny_store::{Entry, EntryState, NewLayer, NewTerrain, Store};
 
 use crate::access::Access;
-use crate::import::{ImportRequest, RecordedImport};
 use crate::progress::report;
+use crate::recorded::{LayerIds, Recorded};
 use crate::resources;
-use crate::{Error, LayerReference, Observer, Operation, Result, Settings, Terrain};
+use crate::{Error, LayerReference, Observer, Result, Settings, Terrain};
 
 /// What a replay did.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -61,7 +59,7 @@ impl Terrain {
         let log = source.log()?;
         // Ids are given out once: those of layers that were undone are missing in the source.
         let original = source.original_layers()?.unwrap_or_default();
-        let mut layer_ids: HashMap<u32, u32> =
+        let mut layer_ids: LayerIds =
             original.iter().map(|layer| layer.id).zip(self.layers()?.iter().map(|layer| layer.id)).collect();
         let applied: Vec<&Entry> = log.iter().filter(|entry| entry.state == EntryState::Applied).collect();
         for (done, entry) in applied.iter().enumerate() {
@@ -77,66 +75,34 @@ impl Terrain {
         &mut self,
         source: &Store,
         entry: &Entry,
-        layer_ids: &mut HashMap<u32, u32>,
+        layer_ids: &mut LayerIds,
         observer: &mut dyn Observer,
     ) -> Result<()> {
         let cannot = |detail: String| Error::CannotReplay { entry: entry.id.0, detail };
-        let value: serde_json::Value =
-            serde_json::from_str(&entry.operation_json).map_err(|err| cannot(err.to_string()))?;
-        if value.get("op").and_then(serde_json::Value::as_str) == Some(RecordedImport::OP) {
-            let import: RecordedImport =
-                serde_json::from_value(value).map_err(|err| cannot(err.to_string()))?;
-            return self.replay_import(source, entry, import, layer_ids, observer);
-        }
-        let mut operation = Operation::from_json(value).map_err(|err| cannot(err.to_string()))?;
-        for layer in operation.layers_mut() {
-            let id = match layer {
-                LayerReference::Id(id) => layer_ids.get(id).copied(),
-                LayerReference::Name(_) => None,
-            };
-            let unknown = || cannot(format!("its layer {layer:?} does not exist"));
-            *layer = LayerReference::Id(id.ok_or_else(unknown)?);
-        }
+        let mut recorded = Recorded::of(entry).map_err(cannot)?;
+        let made_layer = recorded.made_layer();
+        recorded.name_layers(|id| layer_ids.get(&id).copied()).map_err(cannot)?;
         let folder = tempfile::tempdir().map_err(|err| cannot(err.to_string()))?;
+        let mut operation = match recorded {
+            Recorded::Operation(operation) => operation,
+            Recorded::Import(import) => {
+                let layer = match &import.new_layer {
+                    Some(name) => name.clone(),
+                    None => self.layer(Some(&LayerReference::Id(import.layer)))?.name.clone(),
+                };
+                let read = |hash, mut file: std::fs::File| Ok(source.read_blob(&hash, &mut file)?);
+                let request = import.request(folder.path(), layer, read).map_err(cannot)?;
+                let done = self.import(&request, observer).map_err(|err| cannot(err.to_string()))?;
+                let made = self.layer(Some(&LayerReference::Name(done.layer)))?.id;
+                layer_ids.extend(made_layer.map(|before| (before, made)));
+                return Ok(());
+            }
+        };
         resources::unpack(operation.sources_mut(), source, folder.path())
             .map_err(|err| cannot(err.to_string()))?;
         let applied = self.submit(std::slice::from_ref(&operation), observer)?;
         let made = applied.into_iter().find_map(|applied| applied.made_layer);
-        layer_ids.extend(operation.recorded_id().zip(made));
-        Ok(())
-    }
-
-    fn replay_import(
-        &mut self,
-        source: &Store,
-        entry: &Entry,
-        import: RecordedImport,
-        layer_ids: &mut HashMap<u32, u32>,
-        observer: &mut dyn Observer,
-    ) -> Result<()> {
-        let cannot = |detail: String| Error::CannotReplay { entry: entry.id.0, detail };
-        let hash =
-            BlobHash::from_hex(&import.blake3).ok_or_else(|| cannot("its data has no name".to_owned()))?;
-        let folder = tempfile::tempdir().map_err(|err| cannot(err.to_string()))?;
-        // The name is only there for its ending; a folder in it has no business here.
-        let name = Path::new(&import.file).file_name().unwrap_or_else(|| "data".as_ref());
-        let file = folder.path().join(name);
-        let mut content = std::fs::File::create(&file).map_err(|err| cannot(err.to_string()))?;
-        source.read_blob(&hash, &mut content).map_err(|err| cannot(err.to_string()))?;
-        content.flush().map_err(|err| cannot(err.to_string()))?;
-        drop(content);
-        let layer = match import.new_layer {
-            Some(name) => Some(name),
-            None => {
-                let id = layer_ids.get(&import.layer).copied();
-                let id = id.ok_or_else(|| cannot(format!("its layer {} does not exist", import.layer)))?;
-                Some(self.layer(Some(&LayerReference::Id(id)))?.name.clone())
-            }
-        };
-        let request = ImportRequest { file, options: import.options, layer: layer.clone(), at_m: import.at };
-        let done = self.import(&request, observer).map_err(|err| cannot(err.to_string()))?;
-        let made = self.layer(Some(&LayerReference::Name(done.layer)))?.id;
-        layer_ids.insert(import.layer, made);
+        layer_ids.extend(made_layer.zip(made));
         Ok(())
     }
 }

@@ -93,6 +93,23 @@ pub(crate) fn resolve_files(sources: Vec<&mut DataSource>, folder: &Path) {
     }
 }
 
+/// Makes file names that lie below a folder absolute, and refuses all others.
+pub(crate) fn keep_files_below(sources: Vec<&mut DataSource>, folder: Option<&Path>) -> Result<()> {
+    for source in sources {
+        let DataSource::File(file) = source else { continue };
+        let found = folder.and_then(|folder| {
+            let folder = folder.canonicalize().ok()?;
+            let found = folder.join(&*file).canonicalize().ok()?;
+            (found.starts_with(&folder) && found.is_file()).then_some(found)
+        });
+        let Some(found) = found else {
+            return Err(Error::FileNotAllowed { file: std::mem::take(file) });
+        };
+        *file = found.to_string_lossy().into_owned();
+    }
+    Ok(())
+}
+
 /// Writes what a recorded operation names into files of a folder, and lets it name them: for doing it again on another terrain.
 ///
 /// # Errors

@@ -242,6 +242,11 @@ impl Terrain {
         }
     }
 
+    /// Says who does what is done from now on.
+    pub(crate) fn set_author(&mut self, author: String) {
+        self.settings.author = author;
+    }
+
     pub(crate) const fn settings(&self) -> &Settings {
         &self.settings
     }

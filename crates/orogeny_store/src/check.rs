@@ -6,6 +6,7 @@ use std::path::Path;
 use orogeny_field::{PageKey, SampleRect};
 use rayon::prelude::*;
 
+use crate::EntryId;
 use crate::head::Head;
 use crate::history::Tree;
 use crate::pyramid::{self, Plane};
@@ -159,7 +160,7 @@ impl Store {
 
     fn check_history(&self, report: &mut CheckReport) -> Result<()> {
         let mut entries = Vec::new();
-        self.db.for_each_entry(|entry| {
+        self.db.for_each_entry(EntryId::CREATION, |entry| {
             report.num_entries += 1;
             if let Some(entry) = report.keep(entry) {
                 entries.push((entry.id, entry.num_pages));

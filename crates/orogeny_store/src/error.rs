@@ -363,6 +363,22 @@ fn page_suffix(page: Option<&PageKey>) -> String {
 }
 
 impl Error {
+    /// Whether what was asked for is to blame, and not the file or the machine.
+    #[must_use]
+    pub const fn is_refusal(&self) -> bool {
+        matches!(
+            self,
+            Self::UnknownEntry { .. }
+                | Self::UnknownBlob { .. }
+                | Self::Blob { .. }
+                | Self::Height { .. }
+                | Self::UnknownLayer { .. }
+                | Self::LayerName { .. }
+                | Self::Operation { .. }
+                | Self::Value(_)
+        )
+    }
+
     pub(crate) fn damaged(path: &Path, detail: impl Into<String>) -> Self {
         Self::Damaged { path: path.to_owned(), detail: detail.into() }
     }

@@ -164,10 +164,18 @@ impl Store {
     /// # Errors
     /// [`Error::DamagedHistory`] for an entry that fails its checksum.
     pub fn log(&self) -> Result<Vec<Entry>> {
+        self.log_from(EntryId::CREATION)
+    }
+
+    /// The entries from one on, oldest first, whether they show or not.
+    ///
+    /// # Errors
+    /// As [`Self::log`].
+    pub fn log_from(&self, first: EntryId) -> Result<Vec<Entry>> {
         self.db.in_snapshot(|| {
             let states = Tree::load(&self.db)?.states(&self.db)?;
             let mut log = Vec::new();
-            self.db.for_each_entry(|row| {
+            self.db.for_each_entry(first, |row| {
                 let row = row?;
                 if let (Some(parent), Some(&state)) = (row.parent, states.get(&row.id)) {
                     log.push(Entry {
@@ -184,6 +192,21 @@ impl Store {
                 Ok(())
             })?;
             Ok(log)
+        })
+    }
+
+    /// Of each entry, what it was done on and whether it shows, without reading what was done.
+    ///
+    /// # Errors
+    /// When the history cannot be read or trusted.
+    pub fn entry_states(&self) -> Result<BTreeMap<EntryId, (EntryId, EntryState)>> {
+        self.db.in_snapshot(|| {
+            let tree = Tree::load(&self.db)?;
+            let states = tree.states(&self.db)?.into_iter().filter_map(|(id, state)| {
+                let parent = tree.0.get(&id)?.parent?;
+                Some((id, (parent, state)))
+            });
+            Ok(states.collect())
         })
     }
 

@@ -93,10 +93,11 @@ impl<'store> Transaction<'store> {
         if !self.changed.is_empty() {
             return Err(Error::TransactionFailed);
         }
-        let gone_back = self.store.step_back(&mut self.document, entry, &mut self.changed).and_then(|pages| {
-            self.stack = Stack::load(&self.store.db)?;
-            Ok(pages)
-        });
+        let gone_back =
+            self.store.step_back(&mut self.document, entry, &mut self.changed).and_then(|pages| {
+                self.stack = Stack::load(&self.store.db)?;
+                Ok(pages)
+            });
         self.fail_with(gone_back)
     }
 

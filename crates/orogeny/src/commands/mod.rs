@@ -21,6 +21,7 @@ pub mod redo;
 pub mod render;
 pub mod replay;
 pub mod salvage;
+pub mod serve;
 mod travel;
 pub mod undo;
 
@@ -44,6 +45,7 @@ pub fn run(command: Command, session: &Session) -> anyhow::Result<()> {
         Command::Check(arguments) => check::run(&arguments, session),
         Command::Compact(arguments) => compact::run(&arguments, session),
         Command::Salvage(arguments) => salvage::run(&arguments, session),
+        Command::Serve(arguments) => serve::run(arguments, session),
         Command::Replay(arguments) => replay::run(&arguments, session),
         Command::Log(arguments) => log::run(&arguments, session),
         Command::Info(arguments) => info::run(&arguments, session),

@@ -108,6 +108,15 @@ impl Operation {
         }
     }
 
+    /// Lets it read files of one folder alone, by names relative to it; of none for `None`. For operations that someone else gave, who is not
+    /// to read what is not theirs. Links that lead out of the folder count as out of it.
+    ///
+    /// # Errors
+    /// [`Error::FileNotAllowed`] for a name that leads elsewhere, or to nothing.
+    pub fn keep_files_below(&mut self, folder: Option<&Path>) -> Result<()> {
+        resources::keep_files_below(self.sources_mut(), folder)
+    }
+
     /// The id that was recorded of the layer that it made.
     pub(crate) const fn recorded_id(&self) -> Option<u32> {
         match self {

@@ -4,6 +4,7 @@ use std::sync::mpsc::Sender;
 
 use orogeny_field::SampleRect;
 use orogeny_geomip::{PagePlace, PageSummary};
+use orogeny_store::EntryId;
 
 use super::Status;
 use crate::{Applied, Progress};
@@ -28,6 +29,10 @@ pub enum Event {
         ticket: Ticket,
         /// What operations did; empty for what is none.
         applied: Vec<Applied>,
+        /// The entries that were recorded for it.
+        entries: Vec<EntryId>,
+        /// How many points were drawn of a stroke that was ended before the hand was lifted, because others had waited for it too long.
+        cut_after: Option<usize>,
     },
     /// Something was not done, and changed nothing.
     Failed {
@@ -37,6 +42,8 @@ pub enum Event {
         message: String,
         /// Whether it was given up because that was asked for.
         is_cancelled: bool,
+        /// Whether the machine is to blame, and not what was asked for.
+        is_fault: bool,
     },
     /// What is seen changed: pages over it are no longer as they were.
     Changed {

@@ -1,14 +1,14 @@
 //! The hand of someone who draws while being watched: points come as they are given, and what they have come to is shown.
 
-use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use orogeny_field::{PageLayout, PointerSample, SampleRect, TerrainGrid};
 
+use super::cancelling::Cancelling;
 use super::event::{Event, Out};
 use super::looker::Looker;
-use super::serve::Cancelling;
+use super::waiting::Waiting;
 use super::{Task, Ticket};
 use crate::composite::Change;
 use crate::hand::{Hand, SoFar};
@@ -16,15 +16,19 @@ use crate::{Error, Result};
 
 /// How often it is looked whether the stroke is given up, while no point comes.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
+/// How long others wait for a stroke; also, how long it may take though they wait.
+pub(super) const MAX_WAIT: Duration = Duration::from_secs(2);
 
 /// Points of one stroke out of the tasks of a session.
 pub(super) struct LiveHand<'a> {
     pub(super) ticket: Ticket,
+    pub(super) author: Option<&'a str>,
+    pub(super) since: Instant,
     pub(super) grid: TerrainGrid,
     pub(super) layout: PageLayout,
     pub(super) tasks: &'a Receiver<Task>,
-    /// Tasks for when the stroke is over.
-    pub(super) later: &'a mut VecDeque<Task>,
+    /// What is for when the stroke is over.
+    pub(super) waiting: &'a mut Waiting,
     pub(super) looker: &'a mut Looker,
     pub(super) out: &'a Out,
     pub(super) cancelling: &'a Cancelling,
@@ -33,6 +37,10 @@ pub(super) struct LiveHand<'a> {
     /// Whether what they came to was lost, and they are to be given again.
     pub(super) is_lost: bool,
     pub(super) is_lifted: bool,
+    /// Whether it was ended because others waited.
+    pub(super) is_cut: bool,
+    /// Points that came before it was begun.
+    pub(super) early: Vec<PointerSample>,
     /// Whether it was told that something changed.
     pub(super) was_told: bool,
 }
@@ -43,17 +51,20 @@ impl Hand for LiveHand<'_> {
             return Ok(Some(self.given.clone()));
         }
         self.tell_changed(so_far);
-        let mut points = Vec::new();
+        let mut points = std::mem::take(&mut self.early);
         while !self.is_lifted {
             if self.cancelling.is_cancelled(self.ticket) {
                 return Err(Error::Cancelled);
+            }
+            if self.since.elapsed() >= MAX_WAIT && self.waiting.is_waited_for(self.author, MAX_WAIT) {
+                (self.is_lifted, self.is_cut) = (true, true);
+                break;
             }
             // All points that are there are taken at once.
             let task = if points.is_empty() {
                 match self.tasks.recv_timeout(LOOK_EVERY) {
                     Ok(task) => task,
                     Err(RecvTimeoutError::Timeout) => continue,
-                    // The window is gone: what was drawn so far stays.
                     Err(RecvTimeoutError::Disconnected) => {
                         self.is_lifted = true;
                         break;
@@ -66,14 +77,19 @@ impl Hand for LiveHand<'_> {
                 }
             };
             match task {
-                Task::Points(new) => points.extend(new),
-                Task::Lift => self.is_lifted = true,
+                Task::Points { stroke, points: new } if stroke == self.ticket => points.extend(new),
+                Task::Lift { stroke } if stroke == self.ticket => self.is_lifted = true,
                 Task::Look(requests) => {
                     so_far.executor.save(so_far.pages)?;
                     let pages = self.looker.pages_in(&self.grid, so_far.pages.recording(), &requests)?;
                     self.out.tell(Event::Pages(pages));
                 }
-                task => self.later.push_back(task),
+                // The window is gone: what was drawn so far stays.
+                task @ Task::Close => {
+                    self.is_lifted = true;
+                    self.waiting.push(task);
+                }
+                task => self.waiting.push(task),
             }
         }
         if points.is_empty() {

@@ -4,19 +4,23 @@
 //! what it has come to is looked at meanwhile: that is one task, which ends when the hand is lifted. Whoever looks asks for pages
 //! ([`PageRequest`]) and gets them as events, of the terrain as it is by then; what changed is told before it ([`Event::Changed`]).
 //!
+//! Several may work on it, each a [`Participant`]: their strokes are drawn one after another, in the order in which they began.
+//!
 //! ```text
 //! window ── Task ──▶ thread: Terrain ── Event ──▶ window ── wake ──▶ next frame
 //! ```
 
+mod cancelling;
 mod event;
 mod live_hand;
 mod looker;
+mod participant;
 mod serve;
 mod status;
+mod waiting;
 
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle};
 
@@ -25,8 +29,10 @@ use orogeny_geomip::PagePlace;
 use orogeny_store::EntryId;
 
 use crate::{BrushOperation, Error, ExportRequest, ImportRequest, Operation, Result, Settings, Terrain};
+use cancelling::Cancelling;
 
 pub use event::{Event, PageData, Ticket};
+pub use participant::Participant;
 pub use status::{HistoryItem, Status};
 
 /// A way through the history.
@@ -38,6 +44,10 @@ pub enum Travel {
     Redo(u32),
     /// To an entry.
     Jump(EntryId),
+    /// Takes back what the same author did last, from under what others did since: [`Terrain::take_back`].
+    UndoOwn,
+    /// Does again what the same author took back last, on top of what is there now: [`Terrain::do_again`].
+    RedoOwn,
 }
 
 /// A page that is asked for.
@@ -49,21 +59,30 @@ pub struct PageRequest {
     pub rect: Option<SampleRect>,
 }
 
-/// What the thread is asked to do.
+/// What the thread is asked to do; by whom, where it is not the terrain's own author.
+#[derive(Debug)]
 enum Task {
     /// Draw a stroke, whose points follow.
     Stroke {
         ticket: Ticket,
+        author: Option<Arc<str>>,
         operation: Box<BrushOperation>,
     },
-    Points(Vec<PointerSample>),
-    Lift,
+    Points {
+        stroke: Ticket,
+        points: Vec<PointerSample>,
+    },
+    Lift {
+        stroke: Ticket,
+    },
     Apply {
         ticket: Ticket,
+        author: Option<Arc<str>>,
         operations: Vec<Operation>,
     },
     Travel {
         ticket: Ticket,
+        author: Option<Arc<str>>,
         travel: Travel,
     },
     Export {
@@ -72,27 +91,51 @@ enum Task {
     },
     Import {
         ticket: Ticket,
+        author: Option<Arc<str>>,
         request: Box<ImportRequest>,
     },
     Look(Vec<PageRequest>),
     ShowMasks(Vec<String>),
+    /// End, once everything before it is done.
+    Close,
+}
+
+impl Task {
+    /// Who asked for it, where that is not the terrain's own author.
+    fn author(&self) -> Option<&str> {
+        match self {
+            Self::Stroke { author, .. }
+            | Self::Apply { author, .. }
+            | Self::Travel { author, .. }
+            | Self::Import { author, .. } => author.as_deref(),
+            Self::Points { .. }
+            | Self::Lift { .. }
+            | Self::Export { .. }
+            | Self::Look(_)
+            | Self::ShowMasks(_)
+            | Self::Close => None,
+        }
+    }
+
+    /// Whether it may change the terrain.
+    const fn is_change(&self) -> bool {
+        matches!(self, Self::Stroke { .. } | Self::Apply { .. } | Self::Travel { .. } | Self::Import { .. })
+    }
 }
 
 /// A terrain that is worked on by a thread of its own. Dropping it ends what is running and closes the terrain.
 pub struct Session {
-    /// `None` once it is closed.
-    tasks: Option<Sender<Task>>,
+    /// Whoever opened it.
+    own: Participant,
     events: Mutex<Receiver<Event>>,
+    /// `None` once it is closed.
     thread: Option<JoinHandle<Result<()>>>,
-    /// The last ticket that was given out.
-    last_ticket: AtomicU64,
-    /// All tasks up to this ticket are to be given up.
-    cancelled: Arc<AtomicU64>,
+    cancelling: Arc<Cancelling>,
 }
 
 impl std::fmt::Debug for Session {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Session").field("last_ticket", &self.last_ticket).finish_non_exhaustive()
+        f.debug_struct("Session").field("cancelling", &self.cancelling).finish_non_exhaustive()
     }
 }
 
@@ -112,20 +155,15 @@ impl Session {
     pub fn of(terrain: Terrain, wake: impl Fn() + Send + 'static) -> Result<Self> {
         let (tasks, received) = channel();
         let (sender, events) = channel();
-        let cancelled = Arc::new(AtomicU64::new(0));
+        let cancelling = Arc::<Cancelling>::default();
         let out = event::Out::new(sender, wake);
-        let noted = Arc::clone(&cancelled);
+        let noted = Arc::clone(&cancelling);
         let thread = Builder::new()
             .name("orogeny.session".to_owned())
             .spawn(move || serve::serve(terrain, received, out, noted))
             .map_err(|err| Error::Thread { detail: err.to_string() })?;
-        Ok(Self {
-            tasks: Some(tasks),
-            events: Mutex::new(events),
-            thread: Some(thread),
-            last_ticket: AtomicU64::new(0),
-            cancelled,
-        })
+        let own = Participant::new(tasks, Arc::clone(&cancelling), None);
+        Ok(Self { own, events: Mutex::new(events), thread: Some(thread), cancelling })
     }
 
     /// What happened since this was last asked, oldest first.
@@ -134,54 +172,65 @@ impl Session {
         self.events.lock().unwrap_or_else(PoisonError::into_inner).try_iter().collect()
     }
 
-    /// Begins a stroke; of the operation, which has to be a stroke, the points are those that are given [afterwards](Self::push_points).
+    /// Someone who works on the terrain under a name of their own, which the history keeps.
+    #[must_use]
+    pub fn participant(&self, author: &str) -> Participant {
+        self.own.by(author)
+    }
+
+    /// As [`Participant::begin_stroke`].
+    #[must_use]
     pub fn begin_stroke(&self, operation: BrushOperation) -> Ticket {
-        self.give(|ticket| Task::Stroke { ticket, operation: Box::new(operation) })
+        self.own.begin_stroke(operation)
     }
 
-    /// More points of the stroke that was begun last.
-    pub fn push_points(&self, points: Vec<PointerSample>) {
-        self.send(Task::Points(points));
+    /// As [`Participant::push_points`].
+    pub fn push_points(&self, stroke: Ticket, points: Vec<PointerSample>) {
+        self.own.push_points(stroke, points);
     }
 
-    /// Ends the stroke that was begun last.
-    pub fn lift(&self) {
-        self.send(Task::Lift);
+    /// As [`Participant::lift`].
+    pub fn lift(&self, stroke: Ticket) {
+        self.own.lift(stroke);
     }
 
-    /// Runs operations in one transaction.
+    /// As [`Participant::apply`].
+    #[must_use]
     pub fn apply(&self, operations: Vec<Operation>) -> Ticket {
-        self.give(|ticket| Task::Apply { ticket, operations })
+        self.own.apply(operations)
     }
 
-    /// Goes back or forth in the history.
+    /// As [`Participant::travel`].
+    #[must_use]
     pub fn travel(&self, travel: Travel) -> Ticket {
-        self.give(|ticket| Task::Travel { ticket, travel })
+        self.own.travel(travel)
+    }
+
+    /// As [`Participant::import`].
+    #[must_use]
+    pub fn import(&self, request: ImportRequest) -> Ticket {
+        self.own.import(request)
     }
 
     /// Writes a file for another program.
+    #[must_use]
     pub fn export(&self, request: ExportRequest) -> Ticket {
-        self.give(|ticket| Task::Export { ticket, request: Box::new(request) })
-    }
-
-    /// Reads heights of another program's file onto a layer.
-    pub fn import(&self, request: ImportRequest) -> Ticket {
-        self.give(|ticket| Task::Import { ticket, request: Box::new(request) })
+        self.own.give(|ticket, _| Task::Export { ticket, request: Box::new(request) })
     }
 
     /// Gives up everything that was asked for so far and is not done. What is running is taken back, bit for bit.
     pub fn cancel_all(&self) {
-        self.cancelled.store(self.last_ticket.load(Ordering::SeqCst), Ordering::SeqCst);
+        self.cancelling.cancel_all();
     }
 
     /// Asks for pages, the most urgent first. All that were asked for together come in one [`Event::Pages`].
     pub fn look(&self, requests: Vec<PageRequest>) {
-        self.send(Task::Look(requests));
+        self.own.send(Task::Look(requests));
     }
 
     /// Has the masks of these layers come with pages from now on, four at most; `selection` is the terrain's.
     pub fn show_masks(&self, names: Vec<String>) {
-        self.send(Task::ShowMasks(names));
+        self.own.send(Task::ShowMasks(names));
     }
 
     /// Waits until all tasks are done, and closes the terrain.
@@ -193,22 +242,9 @@ impl Session {
     }
 
     fn end(&mut self) -> Result<()> {
-        self.tasks = None;
         let Some(thread) = self.thread.take() else { return Ok(()) };
+        self.own.send(Task::Close);
         thread.join().unwrap_or_else(|_| Err(Error::Thread { detail: "it panicked".to_owned() }))
-    }
-
-    fn give(&self, task: impl FnOnce(Ticket) -> Task) -> Ticket {
-        let ticket = Ticket(self.last_ticket.fetch_add(1, Ordering::SeqCst) + 1);
-        self.send(task(ticket));
-        ticket
-    }
-
-    fn send(&self, task: Task) {
-        // The thread ends before the session only by a panic, which closing tells.
-        if let Some(tasks) = &self.tasks {
-            tasks.send(task).ok();
-        }
     }
 }
 

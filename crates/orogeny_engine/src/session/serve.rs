@@ -1,33 +1,26 @@
 //! The thread of a session: one task after another.
 
-use std::collections::VecDeque;
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-use orogeny_field::{BrushType, PointerSample};
-use orogeny_store::Store;
+use orogeny_field::BrushType;
+use orogeny_store::{EntryId, EntryState, Store};
 
+use super::cancelling::Cancelling;
 use super::event::{Event, Out};
-use super::live_hand::LiveHand;
+use super::live_hand::{LiveHand, MAX_WAIT};
 use super::looker::Looker;
+use super::status::KnownHistory;
+use super::waiting::{Drawn, Waiting};
 use super::{Status, Task, Ticket, Travel};
 use crate::composite::Change;
-use crate::{Applied, BrushOperation, Error, Observer, Operation, Progress, Result, Terrain};
+use crate::{Applied, BrushOperation, Error, Observer, Operation, Progress, Redone, Result, Terrain};
 
 /// How often progress is told.
 const TELL_EVERY: Duration = Duration::from_millis(50);
-
-/// Knows what is given up.
-pub(super) struct Cancelling(Arc<AtomicU64>);
-
-impl Cancelling {
-    pub(super) fn is_cancelled(&self, ticket: Ticket) -> bool {
-        ticket.0 <= self.0.load(Ordering::SeqCst)
-    }
-}
 
 /// Watches a task.
 struct Watcher<'a> {
@@ -53,22 +46,45 @@ impl Observer for Watcher<'_> {
 struct Server {
     terrain: Terrain,
     tasks: Receiver<Task>,
-    /// Tasks that came while a stroke was drawn.
-    later: VecDeque<Task>,
+    /// What came while a stroke was drawn.
+    waiting: Waiting,
     looker: Looker,
     out: Out,
-    cancelling: Cancelling,
+    cancelling: Arc<Cancelling>,
+    history: KnownHistory,
+    /// The terrain's own author.
+    own_author: String,
+    /// What authors took back of their own, the last at the end, as long as they do nothing else.
+    taken_back: HashMap<String, Vec<EntryId>>,
+}
+
+/// What a task came to.
+#[derive(Default)]
+struct Outcome {
+    applied: Vec<Applied>,
+    entries: Vec<EntryId>,
+    cut_after: Option<usize>,
+}
+
+impl Outcome {
+    fn of(applied: Vec<Applied>) -> Self {
+        let entries = applied.iter().map(|applied| applied.entry).collect();
+        Self { applied, entries, cut_after: None }
+    }
 }
 
 pub(super) fn serve(
     terrain: Terrain,
     tasks: Receiver<Task>,
     out: Out,
-    cancelled: Arc<AtomicU64>,
+    cancelling: Arc<Cancelling>,
 ) -> Result<()> {
     let looker = Looker::new(terrain.settings());
-    let cancelling = Cancelling(cancelled);
-    let mut server = Server { terrain, tasks, later: VecDeque::new(), looker, out, cancelling };
+    let own_author = terrain.settings().author.clone();
+    let (waiting, taken_back) = (Waiting::default(), HashMap::new());
+    let history = KnownHistory::default();
+    let mut server =
+        Server { terrain, tasks, waiting, looker, out, cancelling, history, own_author, taken_back };
     server.tell_status();
     while let Some(task) = server.next_task() {
         server.run(task);
@@ -78,10 +94,16 @@ pub(super) fn serve(
 
 impl Server {
     fn next_task(&mut self) -> Option<Task> {
-        self.later.pop_front().or_else(|| self.tasks.recv().ok())
+        let task = self.waiting.pop().or_else(|| self.tasks.recv().ok())?;
+        (!matches!(task, Task::Close)).then_some(task)
     }
 
     fn run(&mut self, task: Task) {
+        let author = task.author().unwrap_or(&self.own_author).to_owned();
+        if task.is_change() && !matches!(task, Task::Travel { .. }) {
+            self.taken_back.remove(&author);
+        }
+        self.terrain.set_author(author);
         let (ticket, result) = match task {
             Task::Look(requests) => match self.looker.pages(&self.terrain, &requests) {
                 Ok(pages) => return self.out.tell(Event::Pages(pages)),
@@ -96,32 +118,46 @@ impl Server {
                 return self.out.tell(Event::Changed { rects: None, is_settled: true });
             }
             // Of a stroke that has failed, or ended.
-            Task::Points(_) | Task::Lift => return,
-            Task::Stroke { ticket, operation } => (ticket, self.draw(ticket, *operation)),
-            Task::Apply { ticket, operations } => (ticket, self.apply(ticket, &operations)),
-            Task::Travel { ticket, travel } => (ticket, self.travel(travel)),
+            Task::Points { .. } | Task::Lift { .. } | Task::Close => return,
+            Task::Stroke { ticket, operation, author } => {
+                let drawn = self.waiting.take_stroke(ticket);
+                (ticket, self.draw(ticket, author.as_deref(), *operation, drawn))
+            }
+            Task::Apply { ticket, operations, .. } => (ticket, self.apply(ticket, &operations)),
+            Task::Travel { ticket, travel, .. } => (ticket, self.travel(ticket, travel)),
             Task::Export { ticket, request } => {
                 let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
-                (ticket, self.terrain.export(&request, watcher).map(|_| Vec::new()))
+                (ticket, self.terrain.export(&request, watcher).map(|_| Outcome::default()))
             }
-            Task::Import { ticket, request } => {
+            Task::Import { ticket, request, .. } => {
                 let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
-                let imported = self.terrain.import(&request, watcher).map(|_| Vec::new());
-                self.everything_changed();
-                (ticket, imported)
+                let imported = self.terrain.import(&request, watcher);
+                match imported.as_ref().ok().and_then(|summary| self.terrain.changed_by(summary)) {
+                    Some(change) => self.fields_changed(&[change]),
+                    None => self.everything_changed(),
+                }
+                let outcome = |summary: crate::ImportSummary| Outcome {
+                    entries: vec![summary.entry],
+                    ..Outcome::default()
+                };
+                (ticket, imported.map(outcome))
             }
         };
+        self.cancelling.forget(ticket);
+        // Whoever hears that it is done knows what it has led to.
+        self.tell_status();
         match result {
-            Ok(applied) => self.out.tell(Event::Done { ticket, applied }),
+            Ok(Outcome { applied, entries, cut_after }) => {
+                self.out.tell(Event::Done { ticket, applied, entries, cut_after });
+            }
             Err(err) => {
-                let is_cancelled = matches!(err, Error::Cancelled);
-                self.out.tell(Event::Failed { ticket, message: err.to_string(), is_cancelled });
+                let (is_cancelled, is_fault) = (matches!(err, Error::Cancelled), err.is_fault());
+                self.out.tell(Event::Failed { ticket, message: err.to_string(), is_cancelled, is_fault });
             }
         }
-        self.tell_status();
     }
 
-    fn apply(&mut self, ticket: Ticket, operations: &[Operation]) -> Result<Vec<Applied>> {
+    fn apply(&mut self, ticket: Ticket, operations: &[Operation]) -> Result<Outcome> {
         if self.cancelling.is_cancelled(ticket) {
             return Err(Error::Cancelled);
         }
@@ -131,11 +167,16 @@ impl Server {
             Some(changes) => self.fields_changed(&changes),
             None => self.everything_changed(),
         }
-        Ok(applied)
+        Ok(Outcome::of(applied))
     }
 
-    fn travel(&mut self, travel: Travel) -> Result<Vec<Applied>> {
+    fn travel(&mut self, ticket: Ticket, travel: Travel) -> Result<Outcome> {
+        if self.cancelling.is_cancelled(ticket) {
+            return Err(Error::Cancelled);
+        }
         let changes = match travel {
+            Travel::UndoOwn => return self.undo_own(ticket),
+            Travel::RedoOwn => return self.redo_own(ticket),
             Travel::Undo(count) => self.terrain.undo(count),
             Travel::Redo(count) => self.terrain.redo(count),
             Travel::Jump(entry) => self.terrain.jump(entry),
@@ -147,30 +188,84 @@ impl Server {
             let pages: Vec<_> = changes.into_iter().flat_map(|change| change.pages).collect();
             self.fields_changed(&Change::of_pages(layout, &pages));
         }
-        Ok(Vec::new())
+        Ok(Outcome::default())
+    }
+
+    fn undo_own(&mut self, ticket: Ticket) -> Result<Outcome> {
+        let author = self.terrain.settings().author.clone();
+        let log = self.terrain.log()?;
+        let mut own = log.iter().rev();
+        let last = own.find(|entry| entry.state == EntryState::Applied && entry.author == author);
+        let Some(last) = last.map(|entry| entry.id) else { return Ok(Outcome::default()) };
+        let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
+        let redone = self.terrain.take_back(last, watcher)?;
+        self.taken_back.entry(author).or_default().push(last);
+        Ok(self.redone(redone))
+    }
+
+    fn redo_own(&mut self, ticket: Ticket) -> Result<Outcome> {
+        let author = self.terrain.settings().author.clone();
+        let taken_back = self.taken_back.get(&author).and_then(|taken| taken.last().copied());
+        let entry = match taken_back {
+            Some(entry) => entry,
+            // From before the session.
+            None => match self.terrain.log()?.iter().find(|entry| entry.state == EntryState::Undone) {
+                Some(entry) if entry.author == author => entry.id,
+                _ => return Ok(Outcome::default()),
+            },
+        };
+        let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
+        let redone = self.terrain.do_again(entry, watcher)?;
+        if let Some(taken) = self.taken_back.get_mut(&author) {
+            taken.pop();
+        }
+        Ok(self.redone(redone))
+    }
+
+    fn redone(&mut self, redone: Redone) -> Outcome {
+        match redone.changes {
+            Some(changes) => self.fields_changed(&changes),
+            None => self.everything_changed(),
+        }
+        Outcome { entries: redone.entries, ..Outcome::default() }
     }
 
     /// Draws a stroke as its points come.
-    fn draw(&mut self, ticket: Ticket, mut operation: BrushOperation) -> Result<Vec<Applied>> {
+    fn draw(
+        &mut self,
+        ticket: Ticket,
+        author: Option<&str>,
+        mut operation: BrushOperation,
+        drawn: Drawn,
+    ) -> Result<Outcome> {
+        if self.cancelling.is_cancelled(ticket) {
+            return Err(Error::Cancelled);
+        }
         if operation.brush().brush_type == BrushType::Clone {
             // What it copies from has to be known first, which all of its points tell.
-            let Some(points) = self.all_points(ticket)? else { return Err(Error::Cancelled) };
-            operation.set_points(points);
-            return self.apply(ticket, &[Operation::Brush(operation)]);
+            let Some(drawn) = self.all_points(ticket, author, drawn)? else { return Err(Error::Cancelled) };
+            let cut_after = drawn.is_cut.then_some(drawn.points.len());
+            operation.set_points(drawn.points);
+            let outcome = self.apply(ticket, &[Operation::Brush(operation)])?;
+            return Ok(Outcome { cut_after, ..outcome });
         }
         let (grid, layout) = (self.terrain.grid(), self.terrain.store()?.layout());
         let mut hand = LiveHand {
             ticket,
+            author,
+            since: Instant::now(),
             grid,
             layout,
             tasks: &self.tasks,
-            later: &mut self.later,
+            waiting: &mut self.waiting,
             looker: &mut self.looker,
             out: &self.out,
             cancelling: &self.cancelling,
             given: Vec::new(),
             is_lost: false,
-            is_lifted: false,
+            is_lifted: drawn.is_lifted,
+            is_cut: false,
+            early: drawn.points,
             was_told: false,
         };
         let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
@@ -178,13 +273,13 @@ impl Server {
             self.terrain.flush()?;
             Ok(applied)
         });
-        let was_told = hand.was_told;
+        let LiveHand { was_told, is_cut, given, .. } = hand;
         match drawn {
             Ok(applied) => {
                 if let Some(change) = applied.change {
                     self.fields_changed(&[change]);
                 }
-                Ok(vec![applied])
+                Ok(Outcome { cut_after: is_cut.then_some(given.len()), ..Outcome::of(vec![applied]) })
             }
             Err(err) => {
                 if was_told {
@@ -196,22 +291,36 @@ impl Server {
     }
 
     /// The points of a stroke up to its end; `None` where it is given up. Who looks meanwhile sees the terrain without it.
-    fn all_points(&mut self, ticket: Ticket) -> Result<Option<Vec<PointerSample>>> {
-        let mut all = Vec::new();
-        let is_cancelled = loop {
+    fn all_points(
+        &mut self,
+        ticket: Ticket,
+        author: Option<&str>,
+        mut drawn: Drawn,
+    ) -> Result<Option<Drawn>> {
+        let since = Instant::now();
+        while !drawn.is_lifted {
+            if since.elapsed() >= MAX_WAIT && self.waiting.is_waited_for(author, MAX_WAIT) {
+                drawn.is_cut = true;
+                break;
+            }
             match self.tasks.recv_timeout(TELL_EVERY) {
-                _ if self.cancelling.is_cancelled(ticket) => break true,
-                Ok(Task::Points(points)) => all.extend(points),
-                Ok(Task::Lift) | Err(RecvTimeoutError::Disconnected) => break false,
+                _ if self.cancelling.is_cancelled(ticket) => return Ok(None),
+                Ok(Task::Points { stroke, points }) if stroke == ticket => drawn.points.extend(points),
+                Ok(Task::Lift { stroke }) if stroke == ticket => drawn.is_lifted = true,
+                Err(RecvTimeoutError::Disconnected) => drawn.is_lifted = true,
+                Ok(task @ Task::Close) => {
+                    drawn.is_lifted = true;
+                    self.waiting.push(task);
+                }
                 Ok(Task::Look(requests)) => {
                     let pages = self.looker.pages(&self.terrain, &requests)?;
                     self.out.tell(Event::Pages(pages));
                 }
-                Ok(task) => self.later.push_back(task),
+                Ok(task) => self.waiting.push(task),
                 Err(RecvTimeoutError::Timeout) => {}
             }
-        };
-        Ok((!is_cancelled).then_some(all))
+        }
+        Ok(Some(drawn))
     }
 
     fn fields_changed(&mut self, changes: &[Change]) {
@@ -230,12 +339,14 @@ impl Server {
     }
 
     fn tell_status(&mut self) {
-        let status = self.looker.root(&self.terrain).and_then(|root| Status::of(&self.terrain, root));
+        let status = self.looker.root(&self.terrain);
+        let status = status.and_then(|root| Status::of(&self.terrain, root, &mut self.history));
         match status {
             Ok(status) => self.out.tell(Event::Status(Box::new(status))),
             Err(err) => {
                 let ticket = Ticket(u64::MAX);
-                self.out.tell(Event::Failed { ticket, message: err.to_string(), is_cancelled: false });
+                let (message, is_fault) = (err.to_string(), err.is_fault());
+                self.out.tell(Event::Failed { ticket, message, is_cancelled: false, is_fault });
             }
         }
     }

@@ -1,5 +1,7 @@
 //! What a window shows of a terrain beside its ground.
 
+use std::collections::BTreeMap;
+
 use orogeny_field::{PageLayout, TerrainGrid};
 use orogeny_geomip::{PagePlace, PageSummary};
 use orogeny_store::{EntryId, EntryState, Layer};
@@ -48,24 +50,53 @@ pub struct HistoryItem {
     pub num_pages: u32,
 }
 
+/// The history as it was last told, so that only what is new of it is read again.
+#[derive(Debug, Default)]
+pub(super) struct KnownHistory(BTreeMap<EntryId, HistoryItem>);
+
+impl KnownHistory {
+    /// The history as it is now.
+    fn refresh(&mut self, terrain: &Terrain) -> Result<Vec<HistoryItem>> {
+        let store = terrain.settled()?;
+        // Numbers are used once: what is known of one, but for these two, stays true.
+        let states = store.entry_states()?;
+        self.0.retain(|id, _| states.contains_key(id));
+        let first_unknown = self.0.last_key_value().map_or(0, |(id, _)| id.0.saturating_add(1));
+        for entry in store.log_from(EntryId(first_unknown))? {
+            let item = HistoryItem {
+                id: entry.id,
+                parent: entry.parent,
+                label: label(&entry.operation_json),
+                author: entry.author,
+                time_unix_ms: entry.time_unix_ms,
+                state: entry.state,
+                num_pages: entry.num_pages,
+            };
+            self.0.insert(entry.id, item);
+        }
+        for (id, item) in &mut self.0 {
+            if let Some(&(parent, state)) = states.get(id) {
+                (item.parent, item.state) = (parent, state);
+            }
+        }
+        Ok(self.0.values().cloned().collect())
+    }
+}
+
 impl Status {
-    pub(super) fn of(terrain: &Terrain, root: (PagePlace, PageSummary)) -> Result<Self> {
+    pub(super) fn of(
+        terrain: &Terrain,
+        root: (PagePlace, PageSummary),
+        known: &mut KnownHistory,
+    ) -> Result<Self> {
         let description = terrain.describe()?;
-        let history = terrain.log()?.into_iter().map(|entry| HistoryItem {
-            id: entry.id,
-            parent: entry.parent,
-            label: label(&entry.operation_json),
-            author: entry.author,
-            time_unix_ms: entry.time_unix_ms,
-            state: entry.state,
-            num_pages: entry.num_pages,
-        });
+        let history = known.refresh(terrain)?;
         Ok(Self {
             grid: terrain.grid(),
             layout: terrain.store()?.layout(),
             layers: terrain.layers()?.to_vec(),
             descriptions: description.layers,
-            history: history.collect(),
+            history,
             unpainted_m: terrain.unpainted_height_m()?,
             root,
             memory: description.memory,

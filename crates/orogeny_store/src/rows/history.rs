@@ -150,15 +150,19 @@ impl Database {
         .and_then(EntryRow::checked)
     }
 
-    /// Calls `visit` with each entry, oldest first, entry 0 included. One that fails its checksum comes as the error.
-    pub(crate) fn for_each_entry(&self, mut visit: impl FnMut(Result<EntryRow>) -> Result<()>) -> Result<()> {
+    /// Calls `visit` with each entry from one on, oldest first. One that fails its checksum comes as the error.
+    pub(crate) fn for_each_entry(
+        &self,
+        first: EntryId,
+        mut visit: impl FnMut(Result<EntryRow>) -> Result<()>,
+    ) -> Result<()> {
         let mut statement = self
             .statement(
                 "SELECT id, parent, operation, author, time_unix_ms, num_pages, delta_bytes, checksum
-                 FROM entry ORDER BY id",
+                 FROM entry WHERE id >= ?1 ORDER BY id",
             )
             .map_err(|err| self.fault(err))?;
-        let mut rows = statement.query([]).map_err(|err| self.fault(err))?;
+        let mut rows = statement.query([first.0]).map_err(|err| self.fault(err))?;
         while let Some(row) = rows.next().map_err(|err| self.fault(err))? {
             visit(EntryRow::checked(EntryRow::from_row(row).map_err(|err| self.fault(err))?))?;
         }

@@ -122,7 +122,7 @@ impl Onlooker {
                     }
                 }
                 Event::Done { ticket, .. } => self.done.push(*ticket),
-                Event::Failed { ticket, message, is_cancelled } => {
+                Event::Failed { ticket, message, is_cancelled, .. } => {
                     self.failed.push((*ticket, message.clone(), *is_cancelled));
                 }
                 Event::Progress { .. } => {}
@@ -210,7 +210,7 @@ fn a_stroke_that_is_watched_is_the_one_that_is_applied_at_once() {
         let mut size = 1 + index;
         while !rest.is_empty() {
             let (now, later) = rest.split_at(size.min(rest.len()));
-            onlooker.session.push_points(now.to_vec());
+            onlooker.session.push_points(ticket, now.to_vec());
             (rest, size) = (later, size % 5 + 1);
             onlooker.settle();
             // What the hand has drawn by now is seen before it goes on; what moves ground as a whole, only when it is lifted.
@@ -218,7 +218,7 @@ fn a_stroke_that_is_watched_is_the_one_that_is_applied_at_once() {
                 onlooker.until(|onlooker| onlooker.num_live_pages > num_before);
             }
         }
-        onlooker.session.lift();
+        onlooker.session.lift(ticket);
         onlooker.until_ended(ticket);
         assert!(onlooker.failed.is_empty(), "{brush}: {:?}", onlooker.failed);
         onlooker.check(brush);
@@ -253,13 +253,13 @@ fn a_stroke_that_is_given_up_leaves_nothing() {
         [BRUSHES[0], BRUSHES[1], (r#"{"type": "clone", "radius": 40, "source": {"at": [100, 100]}}"#, "Base")]
     {
         let ticket = onlooker.session.begin_stroke(stroke(brush, layer, &[]));
-        onlooker.session.push_points(zigzag());
+        onlooker.session.push_points(ticket, zigzag());
         onlooker.settle();
         onlooker.session.cancel_all();
         onlooker.until_ended(ticket);
         // Points of it that were on their way are of no other stroke.
-        onlooker.session.push_points(zigzag());
-        onlooker.session.lift();
+        onlooker.session.push_points(ticket, zigzag());
+        onlooker.session.lift(ticket);
         onlooker.check(brush);
         let (_, _, is_cancelled) = onlooker.failed.pop().unwrap();
         assert!(is_cancelled && onlooker.done.is_empty());
@@ -273,8 +273,8 @@ fn what_is_undone_redone_and_done_to_layers_is_seen() {
     let mut onlooker = Onlooker::new(terrain_at(&folder.path().join("t.orogeny")));
     for (brush, layer) in BRUSHES {
         let ticket = onlooker.session.begin_stroke(stroke(brush, layer, &[]));
-        onlooker.session.push_points(zigzag());
-        onlooker.session.lift();
+        onlooker.session.push_points(ticket, zigzag());
+        onlooker.session.lift(ticket);
         onlooker.until_ended(ticket);
     }
     let last = onlooker.status.as_ref().unwrap().current_entry();
@@ -314,8 +314,10 @@ fn masks_come_with_pages_and_follow_the_brush() {
     assert!(onlooker.masks.as_ref().unwrap().iter().all(|masks| *masks == [0, 255, 0, 0]));
     let erase = r#"{"type": "erase_mask", "radius": 30, "strength": 1}"#;
     let ticket = onlooker.session.begin_stroke(stroke(erase, "Paths", &[]));
-    onlooker.session.push_points(vec![PointerSample::at(100.0, 100.0), PointerSample::at(140.0, 100.0)]);
-    onlooker.session.lift();
+    onlooker
+        .session
+        .push_points(ticket, vec![PointerSample::at(100.0, 100.0), PointerSample::at(140.0, 100.0)]);
+    onlooker.session.lift(ticket);
     onlooker.until_ended(ticket);
     assert!(onlooker.failed.is_empty(), "{:?}", onlooker.failed);
     let masks = onlooker.masks.clone().unwrap();
