@@ -6,7 +6,7 @@ use std::time::Duration;
 use axum::body::{Body, to_bytes};
 use axum::extract::{Request, State};
 use axum::http::header::{AUTHORIZATION, CONTENT_LENGTH, HOST, ORIGIN, SEC_WEBSOCKET_PROTOCOL};
-use axum::http::{HeaderMap, Method, StatusCode};
+use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 
@@ -107,9 +107,6 @@ fn is_this_machine(host: &str) -> bool {
 
 /// Reads the body, in a bounded time and up to a bounded length.
 async fn read_body(shared: &Shared, request: Request) -> Result<Request, Failure> {
-    if request.method() == Method::GET || request.method() == Method::HEAD {
-        return Ok(request);
-    }
     let limit = shared.limits.body_in_bytes;
     let too_long = || {
         let message = format!("the body is longer than {limit} bytes: send less at a time");
