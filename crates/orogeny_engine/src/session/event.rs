@@ -5,7 +5,7 @@ use std::sync::mpsc::Sender;
 use orogeny_field::SampleRect;
 use orogeny_geomip::{PagePlace, PageSummary};
 
-use super::Status;
+use super::{Status, Survey};
 use crate::{Applied, Progress};
 
 /// Names something that was asked for; later ones are higher.
@@ -21,6 +21,13 @@ pub enum Event {
         ticket: Ticket,
         /// How far it has come.
         progress: Progress,
+    },
+    /// A survey that was asked for.
+    Surveyed {
+        /// What asked for it.
+        ticket: Ticket,
+        /// The terrain in few heights.
+        survey: Box<Survey>,
     },
     /// Something is done, and on disk.
     Done {

@@ -13,6 +13,7 @@ mod live_hand;
 mod looker;
 mod serve;
 mod status;
+mod survey;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -28,6 +29,7 @@ use crate::{BrushOperation, Error, ExportRequest, ImportRequest, Operation, Resu
 
 pub use event::{Event, PageData, Ticket};
 pub use status::{HistoryItem, Status};
+pub use survey::Survey;
 
 /// A way through the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,6 +75,10 @@ enum Task {
     Import {
         ticket: Ticket,
         request: Box<ImportRequest>,
+    },
+    Survey {
+        ticket: Ticket,
+        max_side: u32,
     },
     Look(Vec<PageRequest>),
     ShowMasks(Vec<String>),
@@ -167,6 +173,11 @@ impl Session {
     /// Reads heights of another program's file onto a layer.
     pub fn import(&self, request: ImportRequest) -> Ticket {
         self.give(|ticket| Task::Import { ticket, request: Box::new(request) })
+    }
+
+    /// Asks for all of the terrain in few heights, at most so many each way; they come in an [`Event::Surveyed`].
+    pub fn survey(&self, max_side: u32) -> Ticket {
+        self.give(|ticket| Task::Survey { ticket, max_side })
     }
 
     /// Gives up everything that was asked for so far and is not done. What is running is taken back, bit for bit.

@@ -1,0 +1,112 @@
+//! A terrain at a glance: all of it, as coarsely as befits a small map or a histogram.
+
+use orogeny_field::TerrainGrid;
+
+use crate::ground::Ground;
+use crate::map::shaded;
+use crate::{Observer, Picture, Result, Terrain};
+
+/// All of a terrain in few heights: the mean of each square of so many samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    ground: Ground,
+    /// Samples, each way, that a height stands for.
+    pub samples_each: u32,
+    /// The level of the terrain that was read: 0 for full resolution.
+    pub level: u8,
+    /// Width and depth of what the heights cover, metres: the terrain's, and up to a height more.
+    pub size_m: [f64; 2],
+}
+
+impl Survey {
+    /// Of a terrain, within so many heights each way.
+    ///
+    /// # Errors
+    /// As [`Terrain::draw_map`]; [`crate::Error::Cancelled`].
+    pub(super) fn of(terrain: &Terrain, max_side: u32, observer: &mut dyn Observer) -> Result<Self> {
+        let grid: TerrainGrid = terrain.grid();
+        let rect = grid.bounds();
+        let samples_each = rect.width().max(rect.depth()).div_ceil(max_side.max(1)).max(1);
+        let (ground, level, _) = terrain.mean_heights(rect, samples_each, observer)?;
+        let size_m =
+            [ground.width, ground.depth()].map(|num| num as f64 * f64::from(samples_each) * grid.spacing_m());
+        Ok(Self { ground, samples_each, level, size_m })
+    }
+
+    /// Heights a row.
+    #[must_use]
+    pub const fn width(&self) -> usize {
+        self.ground.width
+    }
+
+    /// Rows.
+    #[must_use]
+    pub const fn depth(&self) -> usize {
+        self.ground.depth()
+    }
+
+    /// The heights, metres, row by row from the north.
+    #[must_use]
+    pub fn heights_m(&self) -> &[f32] {
+        &self.ground.heights
+    }
+
+    /// A shaded map of it, one pixel a height.
+    #[must_use]
+    pub fn map(&self) -> Picture {
+        Picture {
+            width_px: self.ground.width as u32,
+            height_px: self.ground.depth() as u32,
+            rgb: shaded(&self.ground, self.ground.range_m()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use crate::session::{Event, Session, Ticket, Travel};
+    use crate::{Adapter, Operation, Settings, Terrain, TerrainGrid};
+
+    use super::*;
+
+    /// The next survey of a session, which is awaited.
+    fn next(session: &Session) -> (Ticket, Survey) {
+        let start = Instant::now();
+        while start.elapsed() < Duration::from_secs(60) {
+            for event in session.events() {
+                if let Event::Surveyed { ticket, survey } = event {
+                    return (ticket, *survey);
+                }
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        panic!("no survey came");
+    }
+
+    #[test]
+    fn it_is_of_the_terrain_as_it_is_when_its_turn_comes() {
+        let folder = tempfile::tempdir().unwrap();
+        let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
+        let grid = TerrainGrid::new(1000, 700, 2.0).unwrap();
+        let terrain = Terrain::create(&folder.path().join("t.orogeny"), grid, 5.0, settings).unwrap();
+        let session = Session::of(terrain, || {}).unwrap();
+        let text = r#"{"op": "stroke", "brush": {"type": "raise", "radius": 300, "strength": 40}, "points": [[400, 1000]]}"#;
+        session.apply(vec![Operation::from_json_text(text).unwrap()]);
+        let asked = session.survey(128);
+        session.travel(Travel::Undo(1));
+        session.survey(128);
+        let (ticket, survey) = next(&session);
+        assert_eq!(ticket, asked);
+        assert_eq!((survey.width(), survey.depth(), survey.samples_each), (125, 88, 8));
+        assert_eq!(survey.size_m, [2000.0, 1408.0]);
+        let at = |[x_m, z_m]: [usize; 2]| survey.heights_m()[z_m / 16 * 125 + x_m / 16];
+        assert!(at([400, 1000]) > 40.0 && at([1200, 400]) == 5.0, "{}", at([400, 1000]));
+        let map = survey.map();
+        assert_eq!((map.width_px, map.height_px, map.rgb.len()), (125, 88, 125 * 88 * 3));
+        let (_, flat) = next(&session);
+        assert!(flat.heights_m().iter().all(|height_m| *height_m == 5.0));
+        session.close().unwrap();
+    }
+}
