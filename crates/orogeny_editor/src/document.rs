@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use orogeny_engine::session::{Event, Session, Status, Ticket};
-use orogeny_engine::{Gpu, Layer, LayerContent, LiveView, Progress, TerrainGrid, ViewRequest};
+use orogeny_engine::{EntryId, Gpu, Layer, LayerContent, LiveView, Progress, TerrainGrid, ViewRequest};
 
+use crate::overview::Overview;
 use crate::{CameraControl, Result};
 
 /// Bytes of pages that are drawn from at most.
@@ -50,6 +51,10 @@ pub struct Document {
     pub layer: u32,
     /// The stroke that is being drawn.
     pub stroke: Option<Ticket>,
+    /// All of it in few heights.
+    pub overview: Overview,
+    /// The entry to go back to, while the terrain is seen as it was.
+    pub now: Option<EntryId>,
     /// The masks that come with pages.
     shown_masks: Vec<String>,
 }
@@ -75,6 +80,8 @@ impl Document {
             jobs: Vec::new(),
             layer,
             stroke: None,
+            overview: Overview::default(),
+            now: None,
             shown_masks: Vec::new(),
         })
     }
@@ -136,12 +143,17 @@ impl Document {
                         messages.push(Message { text, is_error: false });
                     }
                 }
+                // A survey that was given up with the rest is asked for again.
+                Event::Failed { ticket, is_cancelled, .. }
+                    if self.overview.take_failed(ticket, is_cancelled) => {}
                 Event::Failed { ticket, message, is_cancelled } => {
                     self.end(ticket);
                     let text =
                         if is_cancelled { "cancelled: nothing was changed".to_owned() } else { message };
                     messages.push(Message { text, is_error: !is_cancelled });
                 }
+                Event::Changed { is_settled: true, .. } => self.overview.note_changed(),
+                Event::Surveyed { ticket, survey } => self.overview.take(ticket, *survey),
                 Event::Changed { .. } | Event::Pages(_) => {}
             }
         }

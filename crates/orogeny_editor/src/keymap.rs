@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use orogeny_engine::{BrushType, Mode};
 
-use crate::Command;
+use crate::{Command, Hand};
 
 /// Whose keys are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -91,6 +91,10 @@ const fn control(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::COMMAND, key)
 }
 
+const fn control_shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
+}
+
 const fn shift(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::SHIFT, key)
 }
@@ -104,7 +108,10 @@ impl Keymap {
     /// What cannot be understood of them is left out.
     #[must_use]
     pub fn new(habit: Habit, changes: &BTreeMap<String, String>) -> Self {
-        let control_shift = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+        let numbers = [Key::Num1, Key::Num2, Key::Num3, Key::Num4];
+        let places = (1..).zip(numbers).flat_map(|(number, key)| {
+            [(Command::KeepPlace(number), control(key)), (Command::GoToPlace(number), alt(key))]
+        });
         let own = [
             (Command::New, control(Key::N)),
             (Command::Open, control(Key::O)),
@@ -112,7 +119,7 @@ impl Keymap {
             (Command::Export, control(Key::E)),
             (Command::Quit, control(Key::Q)),
             (Command::Undo, control(Key::Z)),
-            (Command::Redo, control_shift),
+            (Command::Redo, control_shift(Key::Z)),
             (Command::Cancel, key(Key::Escape)),
             (Command::FrameAll, key(Key::F)),
             (Command::LookDown, key(Key::T)),
@@ -124,6 +131,14 @@ impl Keymap {
             (Command::TakeHeight, key(Key::H)),
             (Command::SelectAll, control(Key::A)),
             (Command::SelectNothing, control(Key::D)),
+            (Command::InvertSelection, control_shift(Key::I)),
+            (Command::Hand(Hand::Brush), key(Key::B)),
+            (Command::Hand(Hand::Rectangle), key(Key::R)),
+            (Command::Hand(Hand::Lasso), key(Key::O)),
+            (Command::Hand(Hand::Tape), key(Key::M)),
+            (Command::ShowMap, control(Key::M)),
+            (Command::ShowHistogram, control(Key::H)),
+            (Command::Compare, key(Key::V)),
             (Command::CommandPalette, control(Key::P)),
             (Command::LargerInterface, control(Key::Equals)),
             (Command::SmallerInterface, control(Key::Minus)),
@@ -139,7 +154,7 @@ impl Keymap {
             (Command::Brush(BrushType::PaintMask), key(Key::Num9)),
         ];
         let mut keymap = Self::default();
-        for (command, shortcut) in own.into_iter().chain(habit.others()) {
+        for (command, shortcut) in own.into_iter().chain(places).chain(habit.others()) {
             keymap.set(command, Some(shortcut));
         }
         for (id, text) in changes {

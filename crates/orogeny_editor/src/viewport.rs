@@ -2,9 +2,11 @@
 
 use egui::{Event, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2};
 use glam::DVec3;
-use orogeny_engine::{BrushOperation, Camera, Cursor, ViewRequest};
+use orogeny_engine::{BrushOperation, Camera, Cursor, SelectCombine, ViewRequest};
 
 use crate::document::Document;
+use crate::hand::{Hand, combine_of, corners_m};
+use crate::outline::{Sketch, on_ground};
 use crate::tool::Twist;
 
 /// Of the distance to what is looked at, what is flown in a second.
@@ -13,6 +15,8 @@ const FLY_SHARE: f64 = 0.8;
 const MIN_FLY_M: f64 = 2.0;
 /// Points of the wheel that are a step.
 const WHEEL_STEP: f32 = 50.0;
+/// Points on the screen that the pointer moves at least from one corner of a lasso to the next.
+const LASSO_STEP: f32 = 4.0;
 /// Degrees of the sun for each point that the pointer moves.
 const SUN_TURN: f32 = 0.4;
 
@@ -24,6 +28,10 @@ enum Grip {
     None,
     /// Drawing with the brush.
     Drawing,
+    /// Drawing a line around what is to be selected.
+    Outlining(SelectCombine),
+    /// Drawing out the tape.
+    Measuring,
     /// Looking around, and flying.
     Looking,
     /// Dragging the ground that was picked.
@@ -38,6 +46,14 @@ enum Grip {
 #[derive(Debug, Default)]
 pub struct Viewport {
     grip: Grip,
+    /// What the left button does.
+    pub hand: Hand,
+    /// Where the outline that is being drawn goes, `[x, z]` in metres; of a rectangle, two corners.
+    path_m: Vec<[f64; 2]>,
+    /// Where its last corner lies on the screen.
+    path_end: Pos2,
+    /// What is measured between, `[x, z]` in metres.
+    pub tape_m: Option<[[f64; 2]; 2]>,
     /// The ground under the pointer, metres.
     pub hovered: Option<DVec3>,
     /// The last ground that was met, for where there is none.
@@ -59,6 +75,13 @@ pub enum Wish {
     Points(Vec<Point>),
     /// End it.
     Lift,
+    /// Select what is outlined.
+    Select {
+        /// Corners of the outline, `[x, z]` in metres; of a rectangle, two opposite ones.
+        path_m: Vec<[f64; 2]>,
+        /// How it joins what was selected before.
+        combine: SelectCombine,
+    },
 }
 
 /// A point of a stroke.
@@ -143,8 +166,10 @@ impl Viewport {
                     let by = at.map_or(Vec2::ZERO, |at| to - at);
                     at = Some(to);
                     self.moved(ui, to, by, sight, document, request);
-                    if self.grip == Grip::Drawing {
-                        points.extend(self.point(to, now_s, sight, document));
+                    match self.grip {
+                        Grip::Drawing => points.extend(self.point(to, now_s, sight, document)),
+                        Grip::Outlining(_) | Grip::Measuring => self.outline(to, sight, document),
+                        _ => {}
                     }
                 }
                 Event::Touch { phase, force, .. } => {
@@ -158,6 +183,16 @@ impl Viewport {
                     self.grip = match button {
                         PointerButton::Primary if modifiers.alt => Grip::Orbiting(place),
                         PointerButton::Primary if ui.input(|input| input.key_down(Key::L)) => Grip::Sunning,
+                        PointerButton::Primary if self.hand != Hand::Brush => {
+                            let place_m = [place.x, place.z];
+                            (self.path_m, self.path_end) = (vec![place_m], pos);
+                            if self.hand == Hand::Tape {
+                                self.tape_m = Some([place_m; 2]);
+                                Grip::Measuring
+                            } else {
+                                Grip::Outlining(combine_of(modifiers))
+                            }
+                        }
                         PointerButton::Primary => {
                             wishes.push(Wish::Begin(match modifiers {
                                 _ if modifiers.shift => Twist::Smooth,
@@ -176,7 +211,11 @@ impl Viewport {
                 }
                 Event::PointerButton { button, pressed: false, .. } => {
                     let is_mine = match self.grip {
-                        Grip::Drawing | Grip::Orbiting(_) | Grip::Sunning => button == PointerButton::Primary,
+                        Grip::Drawing
+                        | Grip::Outlining(_)
+                        | Grip::Measuring
+                        | Grip::Orbiting(_)
+                        | Grip::Sunning => button == PointerButton::Primary,
                         Grip::Looking => button == PointerButton::Secondary,
                         Grip::Dragging(_) => button == PointerButton::Middle,
                         Grip::None => false,
@@ -185,6 +224,9 @@ impl Viewport {
                         wishes
                             .extend((!points.is_empty()).then(|| Wish::Points(std::mem::take(&mut points))));
                         wishes.push(Wish::Lift);
+                    }
+                    if let (true, Grip::Outlining(combine)) = (is_mine, self.grip) {
+                        wishes.push(Wish::Select { path_m: std::mem::take(&mut self.path_m), combine });
                     }
                     if is_mine {
                         self.grip = Grip::None;
@@ -230,9 +272,52 @@ impl Viewport {
                 let altitude = request.sun_altitude_degrees - f64::from(by.y * SUN_TURN);
                 request.sun_altitude_degrees = altitude.clamp(-5.0, 90.0);
             }
-            Grip::None | Grip::Drawing => return,
+            Grip::None | Grip::Drawing | Grip::Outlining(_) | Grip::Measuring => return,
         }
         ui.ctx().request_repaint();
+    }
+
+    /// Takes an outline or a tape along.
+    fn outline(&mut self, to: Pos2, sight: &Sight, document: &Document) {
+        let Some(place) = self.meet(to, sight, document) else { return };
+        let place_m = [place.x, place.z];
+        match (self.hand, &mut self.tape_m) {
+            (Hand::Tape, Some([_, end_m])) => *end_m = place_m,
+            (Hand::Lasso, _) if (to - self.path_end).length() >= LASSO_STEP => {
+                self.path_m.push(place_m);
+                self.path_end = to;
+            }
+            (Hand::Rectangle, _) => {
+                self.path_m.truncate(1);
+                self.path_m.push(place_m);
+            }
+            _ => {}
+        }
+    }
+
+    /// Draws over the picture what hands have drawn out.
+    pub fn sketch(&self, ui: &Ui, rect: Rect, camera: Camera, document: &Document) {
+        let painter = ui.painter().with_clip_rect(rect);
+        let sketch = Sketch::new(camera, rect);
+        let view = &document.view;
+        match (self.grip, self.hand, self.path_m.as_slice()) {
+            (Grip::Outlining(_), Hand::Rectangle, [from_m, to_m]) => {
+                sketch.line(&painter, on_ground(view, &corners_m(*from_m, *to_m), true));
+            }
+            (Grip::Outlining(_), Hand::Lasso, path_m) => {
+                let corner = |[x, z]: &[f64; 2]| DVec3::new(*x, f64::from(view.ground([*x, *z]).0), *z);
+                sketch.line(&painter, path_m.iter().chain(path_m.first()).map(corner));
+            }
+            _ => {}
+        }
+        if let Some(tape_m) = &self.tape_m {
+            let places = on_ground(view, tape_m, false);
+            [places.first(), places.last()]
+                .into_iter()
+                .flatten()
+                .for_each(|end| sketch.handle(&painter, *end));
+            sketch.line(&painter, places);
+        }
     }
 
     /// Where a stroke goes under the pointer: the ground, or the height of the last ground where there is none.
@@ -278,7 +363,7 @@ impl Viewport {
     /// The brush's ring, and those of its copies; `stroke` is one of the brush, without points.
     #[must_use]
     pub fn cursors(&self, stroke: &BrushOperation, document: &Document) -> Vec<Cursor> {
-        let Some(place) = self.hovered else { return Vec::new() };
+        let Some(place) = self.hovered.filter(|_| self.hand == Hand::Brush) else { return Vec::new() };
         let brush = stroke.brush();
         let (radius_m, plateau) = (brush.radius_m, 1.0 - brush.profile().falloff_ratio);
         let ring = |centre_m| Cursor { centre_m, radius_m: radius_m as f32, hardness: plateau as f32 };

@@ -60,7 +60,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
                     .selectable_label(is_chosen, capitalised(&words(brush_type.name())))
                     .on_hover_text(format!("{}{key}", capitalised(brush_type.summary())));
                 if button.clicked() {
-                    editor.tool.brush_type = *brush_type;
+                    editor.take_brush(*brush_type);
                 }
             }
         });

@@ -55,6 +55,15 @@ impl Dialog {
         Self::file(editor, Purpose::Import, "")
     }
 
+    /// Reading heights of a file that is known.
+    pub(crate) fn import_of(editor: &Editor, file: &Path) -> Self {
+        let dialog = Self::file(editor, Purpose::Import, "");
+        match dialog {
+            Self::File(dialog) => Self::File(FileDialog { path: file.display().to_string(), ..dialog }),
+            other => other,
+        }
+    }
+
     /// Writing heights.
     pub(crate) fn export(editor: &Editor) -> Self {
         let name =
@@ -213,6 +222,9 @@ fn finish(editor: &mut Editor, dialog: &FileDialog) {
     let path = PathBuf::from(dialog.path.trim());
     if dialog.purpose == Purpose::Open {
         return editor.open(&path);
+    }
+    if dialog.purpose == Purpose::Import && !editor.may_change() {
+        return;
     }
     let Some(document) = &mut editor.document else { return };
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

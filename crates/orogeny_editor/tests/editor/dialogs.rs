@@ -4,7 +4,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use orogeny_editor::{Command, Preferences};
 
-use crate::support::{Window, curve};
+use crate::support::{Window, curve, make_terrain};
 
 #[test]
 fn a_terrain_is_made_and_opened() {
@@ -53,6 +53,26 @@ fn heights_are_written_and_read() {
     let said: Vec<_> = window.editor().errors().collect();
     assert!(said.is_empty(), "{said:?}");
     assert!(Window::heights(&terrain) == before);
+}
+
+#[test]
+fn files_that_are_dropped_are_opened_or_offered() {
+    let mut window = Window::open();
+    let before = Window::heights(&window.path("t.orogeny"));
+    std::fs::write(window.path("h.r16"), vec![9_u8; 2 * 600 * 600]).unwrap();
+    window.drop_file("h.r16");
+    window.frames(3);
+    window.click("Import");
+    window.settle();
+    assert_eq!(window.history(), ["fill noise", "import"]);
+    assert!(Window::heights(&window.path("t.orogeny")) != before);
+    window.drop_file("readme.txt");
+    window.frames(2);
+    assert!(window.editor().errors().last().unwrap().contains("readme.txt"));
+    make_terrain(&window.path("other.orogeny"));
+    window.drop_file("other.orogeny");
+    window.settle();
+    assert_eq!(window.editor().open_file().unwrap().file_name().unwrap(), "other.orogeny");
 }
 
 #[test]

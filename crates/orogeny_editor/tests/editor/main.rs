@@ -8,6 +8,11 @@
 
 mod brushing;
 mod commands;
+mod comparing;
 mod dialogs;
+mod looking;
+mod lost;
 mod panels;
+mod random;
+mod selecting;
 mod support;
