@@ -7,8 +7,10 @@ use serde_json::json;
 use crate::Hand;
 use crate::camera::CameraControl;
 use crate::command::{Command, capitalised, words};
+use crate::document::Document;
 use crate::editor::Editor;
 use crate::panels::Dialog;
+use crate::piece::Piece;
 use crate::tool::Twist;
 
 impl Editor {
@@ -66,6 +68,14 @@ impl Editor {
             | Command::RaiseLayer
             | Command::LowerLayer
             | Command::ToggleLayer => self.change_layer(command),
+            Command::Copy => {
+                let told = self.document.as_mut().and_then(Document::copy);
+                self.messages.extend(told);
+                // With nothing in the system's clipboard no key for pasting would come.
+                ctx.copy_text("Ground of a terrain in Orogeny".to_owned());
+            }
+            Command::Paste => self.paste(),
+            Command::PutDown => self.put_down(),
             Command::SelectAll
             | Command::SelectNothing
             | Command::InvertSelection
@@ -99,6 +109,8 @@ impl Editor {
         self.end_comparing();
         if self.viewport.is_busy() {
             self.viewport.let_go();
+        } else if self.viewport.piece.take().is_some() {
+            return;
         } else if self.viewport.hand == Hand::Tape {
             self.viewport.tape_m = None;
         }
@@ -148,6 +160,31 @@ impl Editor {
     fn take_in_hand(&mut self, hand: Hand) {
         if self.viewport.hand != hand && !self.viewport.is_busy() {
             self.viewport.hand = hand;
+        }
+    }
+
+    /// What was copied floats under the pointer, or where it was copied.
+    fn paste(&mut self) {
+        let Some(document) = &self.document else { return };
+        let Some(copied) = document.copied else {
+            return self.tell("nothing was copied yet: select some ground and press Ctrl+C", false);
+        };
+        let [x_m, z_m, width_m, depth_m] = copied.region_m;
+        let to_m = match self.viewport.hovered {
+            Some(place) => [place.x, place.z],
+            None => [x_m + width_m / 2.0, z_m + depth_m / 2.0],
+        };
+        self.viewport.piece = Some(Piece::new(copied, to_m));
+    }
+
+    /// Blends what floats into the ground; it floats on where that cannot be.
+    fn put_down(&mut self) {
+        if self.viewport.piece.is_none() || !self.may_change() {
+            return;
+        }
+        let Some(layer) = self.document.as_ref().map(|document| document.layer) else { return };
+        if let Some(piece) = self.viewport.piece.take() {
+            self.apply("put a piece down", vec![piece.put_down_json(layer)]);
         }
     }
 

@@ -76,6 +76,12 @@ pub enum Command {
     LowerLayer,
     /// Hide it or show it.
     ToggleLayer,
+    /// Copy the ground that is selected.
+    Copy,
+    /// Have what was copied float over the ground.
+    Paste,
+    /// Blend what floats into the ground.
+    PutDown,
     /// Select all of the terrain.
     SelectAll,
     /// Select nothing.
@@ -143,7 +149,7 @@ impl Menu {
 
 impl Command {
     /// Those that stand alone, in the order of their menus.
-    const PLAIN: [Self; 43] = [
+    const PLAIN: [Self; 46] = [
         Self::New,
         Self::Open,
         Self::Import,
@@ -153,6 +159,9 @@ impl Command {
         Self::Undo,
         Self::Redo,
         Self::Cancel,
+        Self::Copy,
+        Self::Paste,
+        Self::PutDown,
         Self::SelectAll,
         Self::SelectNothing,
         Self::InvertSelection,
@@ -237,6 +246,9 @@ impl Command {
             Self::RaiseLayer => "raise_layer".to_owned(),
             Self::LowerLayer => "lower_layer".to_owned(),
             Self::ToggleLayer => "toggle_layer".to_owned(),
+            Self::Copy => "copy".to_owned(),
+            Self::Paste => "paste".to_owned(),
+            Self::PutDown => "put_down".to_owned(),
             Self::SelectAll => "select_all".to_owned(),
             Self::SelectNothing => "select_nothing".to_owned(),
             Self::InvertSelection => "invert_selection".to_owned(),
@@ -278,6 +290,9 @@ impl Command {
             Self::Weaker => "Weaker brush".to_owned(),
             Self::CopyFromHere => "Copy from under the pointer".to_owned(),
             Self::TakeHeight => "Take the height under the pointer".to_owned(),
+            Self::Copy => "Copy the selected ground".to_owned(),
+            Self::Paste => "Paste as a floating piece".to_owned(),
+            Self::PutDown => "Put the floating piece down".to_owned(),
             Self::AddProcedure => "Add a layer that the brush makes".to_owned(),
             Self::AddEffect => "Add the brush as an effect on what lies below".to_owned(),
             Self::TuneLayer => "Give the layer the brush in the hand".to_owned(),
@@ -304,6 +319,9 @@ impl Command {
             Self::Undo
             | Self::Redo
             | Self::Cancel
+            | Self::Copy
+            | Self::Paste
+            | Self::PutDown
             | Self::SelectAll
             | Self::SelectNothing
             | Self::InvertSelection

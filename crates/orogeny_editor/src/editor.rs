@@ -18,6 +18,7 @@ use crate::document::{Document, Message};
 use crate::keymap::Keymap;
 use crate::measure::Measurement;
 use crate::panels::{Dialog, Panels};
+use crate::piece::Piece;
 use crate::preferences::Preferences;
 use crate::quality::Quality;
 use crate::thumbnails::Thumbnails;
@@ -182,6 +183,7 @@ impl Editor {
         self.gpu = gpu;
         self.picture = None;
         self.is_picture_new = true;
+        self.thumbnails.forget();
         let Some(document) = &mut self.document else { return };
         if let Err(err) = document.draw_on(&self.gpu) {
             self.tell(err.to_string(), true);
@@ -224,7 +226,7 @@ impl Editor {
             Ok(document) => {
                 self.tool.set_terrain(&document.status);
                 self.panels.selecting.set_terrain(&document.status);
-                self.viewport.tape_m = None;
+                (self.viewport.tape_m, self.viewport.piece) = (None, None);
                 self.document = Some(document);
                 self.is_picture_new = true;
                 self.preferences.note_opened(&path);
@@ -311,6 +313,12 @@ impl Editor {
     #[must_use]
     pub const fn hand(&self) -> Hand {
         self.viewport.hand
+    }
+
+    /// What floats over the ground.
+    #[must_use]
+    pub const fn piece(&self) -> Option<&Piece> {
+        self.viewport.piece.as_ref()
     }
 
     /// What the tape measures, where one lies on the ground: as finely as that has been drawn so far.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use egui::{Key, KeyboardShortcut, Modifiers};
+use egui::{Event, Key, KeyboardShortcut, Modifiers};
 use orogeny_engine::{BrushType, Mode};
 
 use crate::{Command, Hand};
@@ -129,6 +129,9 @@ impl Keymap {
             (Command::Weaker, key(Key::Minus)),
             (Command::CopyFromHere, key(Key::C)),
             (Command::TakeHeight, key(Key::H)),
+            (Command::Copy, control(Key::C)),
+            (Command::Paste, control(Key::V)),
+            (Command::PutDown, key(Key::Enter)),
             (Command::SelectAll, control(Key::A)),
             (Command::SelectNothing, control(Key::D)),
             (Command::InvertSelection, control_shift(Key::I)),
@@ -196,7 +199,7 @@ impl Keymap {
         };
         keys.sort_by_key(|(_, shortcut)| std::cmp::Reverse(num_modifiers(shortcut)));
         keys.into_iter()
-            .filter(|(_, shortcut)| input.consume_shortcut(shortcut))
+            .filter(|(_, shortcut)| input.consume_shortcut(shortcut) || take_clipboard(input, shortcut))
             .map(|(command, _)| command)
             .collect()
     }
@@ -225,6 +228,19 @@ impl Keymap {
         }
         Some(KeyboardShortcut::new(modifiers, Key::from_name(name)?))
     }
+}
+
+/// Whether keys were pressed that come as what they usually do with the clipboard.
+fn take_clipboard(input: &mut egui::InputState, shortcut: &KeyboardShortcut) -> bool {
+    let is_it = |event: &Event| match event {
+        Event::Copy => *shortcut == control(Key::C),
+        Event::Cut => *shortcut == control(Key::X),
+        Event::Paste(_) => *shortcut == control(Key::V),
+        _ => false,
+    };
+    let num_events = input.events.len();
+    input.events.retain(|event| !is_it(event));
+    input.events.len() < num_events
 }
 
 #[cfg(test)]

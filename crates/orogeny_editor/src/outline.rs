@@ -51,6 +51,14 @@ impl Sketch {
         }
     }
 
+    /// The same, so fine that many of them can be told apart.
+    pub fn fine_line(&self, painter: &Painter, places: impl IntoIterator<Item = DVec3>) {
+        let seen: Option<Vec<_>> = places.into_iter().map(|place| self.seen_at(place)).collect();
+        if let Some(seen) = seen {
+            painter.line(seen, Stroke::new(1.0, Color32::from_rgb(255, 150, 60)));
+        }
+    }
+
     /// A point that can be taken hold of.
     pub fn handle(&self, painter: &Painter, place: DVec3) {
         if let Some(at) = self.seen_at(place) {

@@ -62,6 +62,12 @@ impl Overview {
         self.asked.is_some()
     }
 
+    /// Whether the last survey is of the terrain as it is.
+    #[must_use]
+    pub const fn is_true(&self) -> bool {
+        self.is_fresh && self.asked.is_none() && self.survey.is_some()
+    }
+
     /// The terrain has changed.
     pub const fn note_changed(&mut self) {
         self.is_fresh = false;
@@ -87,6 +93,12 @@ impl Overview {
         self.asked = None;
         self.is_fresh = !is_cancelled;
         is_cancelled
+    }
+
+    /// Forgets pictures: the device that they were on is lost.
+    pub fn forget_pictures(&mut self) {
+        (self.map, self.difference) = (None, None);
+        self.moments.clear();
     }
 
     /// The last survey.

@@ -13,6 +13,7 @@ mod measurement;
 mod menu;
 mod new_terrain;
 mod parameters;
+mod piece;
 mod plot;
 mod preferences;
 mod selection;
@@ -94,6 +95,7 @@ pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
     });
     Panel::right("document").resizable(true).default_size(250.0).show(ui, |ui| {
         ScrollArea::vertical().id_salt("document").show(ui, |ui| {
+            piece::show(editor, ui);
             if editor.panels.shows_map {
                 map::show(editor, ui);
                 ui.separator();

@@ -13,6 +13,7 @@ mod dialogs;
 mod looking;
 mod lost;
 mod panels;
+mod pasting;
 mod random;
 mod selecting;
 mod support;
