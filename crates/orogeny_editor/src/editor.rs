@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use egui::{TextureId, Ui};
 use orogeny_engine::session::{Event, HistoryItem, Session, Travel};
 use orogeny_engine::{
-    BrushType, Direction, Format, Gpu, Layer, Mode, Operation, Presets, Settings, TerrainGrid, ViewRequest,
+    BrushType, Direction, Format, Gpu, Layer, Mode, Operation, Preset, Presets, Settings, TerrainGrid,
+    ViewRequest,
 };
 use serde_json::Value;
 
@@ -413,10 +414,18 @@ impl Editor {
         crate::panels::show_dialog(self, ui.ctx());
     }
 
-    /// A file that was dropped on the window: a terrain is opened, heights are offered to be imported.
+    /// A file that was dropped on the window: a terrain is opened, heights are offered to be imported, a preset is kept.
     fn take_dropped(&mut self, file: &Path) {
         if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("orogeny")) {
             return self.open(file);
+        }
+        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
+            // One of that name stays as it is.
+            let kept = Preset::read(file).and_then(|preset| self.options.presets.save(&preset, false));
+            return match kept {
+                Ok(path) => self.tell(format!("the preset was kept as `{}`", path.display()), false),
+                Err(err) => self.tell(err.to_string(), true),
+            };
         }
         match Format::from_path(file, Direction::Import) {
             Ok(_) if self.document.is_some() => {

@@ -14,6 +14,7 @@ mod looking;
 mod lost;
 mod panels;
 mod pasting;
+mod presets;
 mod random;
 mod selecting;
 mod support;

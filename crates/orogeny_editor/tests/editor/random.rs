@@ -9,7 +9,7 @@ use orogeny_engine::Terrain;
 use crate::support::{Window, make_terrain};
 
 /// What is done in a usual run; what of each seed in a long one, and for how long that goes on.
-const NUM_STEPS: u32 = 120;
+const NUM_STEPS: u32 = 60;
 const LONG_STEPS: u32 = 2000;
 const LONG: Duration = Duration::from_secs(600);
 
