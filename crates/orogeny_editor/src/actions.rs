@@ -4,10 +4,13 @@ use orogeny_engine::BrushType;
 use orogeny_engine::session::Travel;
 use serde_json::json;
 
+use crate::Hand;
 use crate::camera::CameraControl;
 use crate::command::{Command, capitalised, words};
+use crate::document::Document;
 use crate::editor::Editor;
 use crate::panels::Dialog;
+use crate::piece::Piece;
 use crate::tool::Twist;
 
 impl Editor {
@@ -29,6 +32,14 @@ impl Editor {
                 }
             }
             Command::LookDown => self.look_down(),
+            Command::KeepPlace(number) => self.keep_place(number),
+            Command::GoToPlace(number) => match (self.place(number), &mut self.document) {
+                (Some(place), Some(document)) => document.camera = place,
+                _ => self.tell(format!("no place was kept as {number} yet"), false),
+            },
+            Command::Compare => self.toggle_comparing(),
+            Command::ShowMap => self.panels.shows_map = !self.panels.shows_map,
+            Command::ShowHistogram => self.panels.shows_histogram = !self.panels.shows_histogram,
             Command::Larger => self.tool.resize(1),
             Command::Smaller => self.tool.resize(-1),
             Command::Stronger => self.tool.strengthen(1),
@@ -44,7 +55,8 @@ impl Editor {
                 }
                 None => self.tell("hold the pointer over the ground whose height is to be taken", false),
             },
-            Command::Brush(brush_type) => self.tool.brush_type = brush_type,
+            Command::Brush(brush_type) => self.take_brush(brush_type),
+            Command::Hand(hand) => self.take_in_hand(hand),
             Command::Mode(mode) => self.request.mode = mode,
             Command::AddLayer
             | Command::AddProcedure
@@ -56,13 +68,21 @@ impl Editor {
             | Command::RaiseLayer
             | Command::LowerLayer
             | Command::ToggleLayer => self.change_layer(command),
-            Command::SelectAll => self.apply("select", vec![json!({"op": "select", "shape": {"all": true}})]),
-            Command::SelectNothing => {
-                self.apply("select", vec![json!({"op": "select", "shape": {"nothing": true}})])
+            Command::Copy => {
+                let told = self.document.as_mut().and_then(Document::copy);
+                self.messages.extend(told);
+                // With nothing in the system's clipboard no key for pasting would come.
+                ctx.copy_text("Ground of a terrain in Orogeny".to_owned());
             }
-            Command::InvertSelection => {
-                self.apply("select", vec![json!({"op": "select", "shape": {"keep": true}, "invert": true})]);
-            }
+            Command::Paste => self.paste(),
+            Command::PutDown => self.put_down(),
+            Command::SelectAll
+            | Command::SelectNothing
+            | Command::InvertSelection
+            | Command::GrowSelection
+            | Command::ShrinkSelection
+            | Command::FeatherSelection => self.change_selection(command),
+            Command::ShowSelection => self.panels.selecting.is_shown = !self.panels.selecting.is_shown,
             Command::CommandPalette => self.panels.dialog = Some(Dialog::Commands { search: String::new() }),
             Command::ToggleTheme => {
                 self.preferences.is_light = !self.preferences.is_light;
@@ -86,10 +106,35 @@ impl Editor {
         if self.panels.dialog.take().is_some() {
             return;
         }
-        self.viewport.let_go();
+        self.end_comparing();
+        if self.viewport.is_busy() {
+            self.viewport.let_go();
+        } else if self.viewport.piece.take().is_some() {
+            return;
+        } else if self.viewport.hand == Hand::Tape {
+            self.viewport.tape_m = None;
+        }
         if let Some(document) = &mut self.document {
             document.end_stroke();
             document.session.cancel_all();
+        }
+    }
+
+    /// Where the eye was when it was kept under a number.
+    pub(crate) fn place(&self, number: u8) -> Option<CameraControl> {
+        let path = &self.document.as_ref()?.path;
+        let index = usize::from(number).checked_sub(1)?;
+        *self.preferences.places.get(path)?.get(index)?
+    }
+
+    fn keep_place(&mut self, number: u8) {
+        let Some(document) = &self.document else { return };
+        let places = self.preferences.places.entry(document.path.clone()).or_default();
+        let index = usize::from(number).checked_sub(1);
+        if let Some(place) = index.and_then(|index| places.get_mut(index)) {
+            *place = Some(document.camera);
+            self.remember();
+            self.tell(format!("this place is kept as {number}"), false);
         }
     }
 
@@ -103,6 +148,58 @@ impl Editor {
         let up_m = (document.camera.eye() - middle).length();
         let above = glam::DVec3::new(middle.x, high_m.max(0.0) + up_m, middle.z);
         document.camera = CameraControl::looking_down(above);
+    }
+
+    /// Takes up a brush, to draw with it.
+    pub(crate) fn take_brush(&mut self, brush_type: BrushType) {
+        self.tool.brush_type = brush_type;
+        self.take_in_hand(Hand::Brush);
+    }
+
+    /// What is being drawn ends before something else is taken into the hand.
+    fn take_in_hand(&mut self, hand: Hand) {
+        if self.viewport.hand != hand && !self.viewport.is_busy() {
+            self.viewport.hand = hand;
+        }
+    }
+
+    /// What was copied floats under the pointer, or where it was copied.
+    fn paste(&mut self) {
+        let Some(document) = &self.document else { return };
+        let Some(copied) = document.copied else {
+            return self.tell("nothing was copied yet: select some ground and press Ctrl+C", false);
+        };
+        let [x_m, z_m, width_m, depth_m] = copied.region_m;
+        let to_m = match self.viewport.hovered {
+            Some(place) => [place.x, place.z],
+            None => [x_m + width_m / 2.0, z_m + depth_m / 2.0],
+        };
+        self.viewport.piece = Some(Piece::new(copied, to_m));
+    }
+
+    /// Blends what floats into the ground; it floats on where that cannot be.
+    fn put_down(&mut self) {
+        if self.viewport.piece.is_none() || !self.may_change() {
+            return;
+        }
+        let Some(layer) = self.document.as_ref().map(|document| document.layer) else { return };
+        if let Some(piece) = self.viewport.piece.take() {
+            self.apply("put a piece down", vec![piece.put_down_json(layer)]);
+        }
+    }
+
+    fn change_selection(&mut self, command: Command) {
+        let length_m = self.panels.selecting.length_m;
+        let keep = json!({"keep": true});
+        let operation = match command {
+            Command::SelectAll => json!({"op": "select", "shape": {"all": true}}),
+            Command::SelectNothing => json!({"op": "select", "shape": {"nothing": true}}),
+            Command::GrowSelection => json!({"op": "select", "shape": keep, "grow": length_m}),
+            Command::ShrinkSelection => json!({"op": "select", "shape": keep, "shrink": length_m}),
+            Command::FeatherSelection => json!({"op": "select", "shape": keep, "feather": length_m}),
+            _ => json!({"op": "select", "shape": keep, "invert": true}),
+        };
+        self.apply(&command.title(), vec![operation]);
     }
 
     fn change_layer(&mut self, command: Command) {

@@ -2,6 +2,9 @@
 
 use orogeny_engine::{BrushType, Mode};
 
+use crate::Hand;
+use crate::preferences::NUM_PLACES;
+
 /// Something that can be done by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Command {
@@ -25,6 +28,16 @@ pub enum Command {
     FrameAll,
     /// Look straight down on all of it.
     LookDown,
+    /// Keep where the eye is under a number.
+    KeepPlace(u8),
+    /// Go back there.
+    GoToPlace(u8),
+    /// See the terrain as it was before the last entry of the history, or as it is again.
+    Compare,
+    /// The terrain from above.
+    ShowMap,
+    /// How much of it lies how high.
+    ShowHistogram,
     /// A brush twice as wide in three steps.
     Larger,
     /// And back.
@@ -39,6 +52,8 @@ pub enum Command {
     TakeHeight,
     /// Take a brush.
     Brush(BrushType),
+    /// Have the left button do something.
+    Hand(Hand),
     /// Show the ground so.
     Mode(Mode),
     /// Put a layer of heights on top.
@@ -61,12 +76,26 @@ pub enum Command {
     LowerLayer,
     /// Hide it or show it.
     ToggleLayer,
+    /// Copy the ground that is selected.
+    Copy,
+    /// Have what was copied float over the ground.
+    Paste,
+    /// Blend what floats into the ground.
+    PutDown,
     /// Select all of the terrain.
     SelectAll,
     /// Select nothing.
     SelectNothing,
     /// Select what is not selected.
     InvertSelection,
+    /// Select what lies near to what is selected, too.
+    GrowSelection,
+    /// No longer select what lies near to its edge.
+    ShrinkSelection,
+    /// Make its edge soft.
+    FeatherSelection,
+    /// Show what is selected, whatever is in the hand.
+    ShowSelection,
     /// Find a command by its name.
     CommandPalette,
     /// Light or dark.
@@ -120,7 +149,7 @@ impl Menu {
 
 impl Command {
     /// Those that stand alone, in the order of their menus.
-    const PLAIN: [Self; 36] = [
+    const PLAIN: [Self; 46] = [
         Self::New,
         Self::Open,
         Self::Import,
@@ -130,11 +159,21 @@ impl Command {
         Self::Undo,
         Self::Redo,
         Self::Cancel,
+        Self::Copy,
+        Self::Paste,
+        Self::PutDown,
         Self::SelectAll,
         Self::SelectNothing,
         Self::InvertSelection,
+        Self::GrowSelection,
+        Self::ShrinkSelection,
+        Self::FeatherSelection,
+        Self::Compare,
         Self::FrameAll,
         Self::LookDown,
+        Self::ShowSelection,
+        Self::ShowMap,
+        Self::ShowHistogram,
         Self::ToggleTheme,
         Self::LargerInterface,
         Self::SmallerInterface,
@@ -163,7 +202,10 @@ impl Command {
     pub fn all() -> impl Iterator<Item = Self> {
         let modes = Mode::ALL.into_iter().map(Self::Mode);
         let brushes = BrushType::ALL.into_iter().map(Self::Brush);
-        Self::PLAIN.into_iter().chain(modes).chain(brushes)
+        let hands = Hand::ALL.into_iter().map(Self::Hand);
+        let go = (1..=NUM_PLACES).map(Self::GoToPlace);
+        let places = go.chain((1..=NUM_PLACES).map(Self::KeepPlace));
+        Self::PLAIN.into_iter().chain(places).chain(hands).chain(modes).chain(brushes)
     }
 
     /// Never changes: what preferences call it.
@@ -172,6 +214,7 @@ impl Command {
         match self {
             Self::Brush(brush_type) => format!("brush.{}", brush_type.name()),
             Self::Mode(mode) => format!("mode.{}", mode.name()),
+            Self::Hand(hand) => format!("hand.{}", hand.name()),
             Self::New => "new".to_owned(),
             Self::Open => "open".to_owned(),
             Self::Import => "import".to_owned(),
@@ -182,6 +225,11 @@ impl Command {
             Self::Cancel => "cancel".to_owned(),
             Self::FrameAll => "frame_all".to_owned(),
             Self::LookDown => "look_down".to_owned(),
+            Self::KeepPlace(number) => format!("keep_place.{number}"),
+            Self::GoToPlace(number) => format!("go_to_place.{number}"),
+            Self::Compare => "compare".to_owned(),
+            Self::ShowMap => "show_map".to_owned(),
+            Self::ShowHistogram => "show_histogram".to_owned(),
             Self::Larger => "larger".to_owned(),
             Self::Smaller => "smaller".to_owned(),
             Self::Stronger => "stronger".to_owned(),
@@ -198,9 +246,16 @@ impl Command {
             Self::RaiseLayer => "raise_layer".to_owned(),
             Self::LowerLayer => "lower_layer".to_owned(),
             Self::ToggleLayer => "toggle_layer".to_owned(),
+            Self::Copy => "copy".to_owned(),
+            Self::Paste => "paste".to_owned(),
+            Self::PutDown => "put_down".to_owned(),
             Self::SelectAll => "select_all".to_owned(),
             Self::SelectNothing => "select_nothing".to_owned(),
             Self::InvertSelection => "invert_selection".to_owned(),
+            Self::GrowSelection => "grow_selection".to_owned(),
+            Self::ShrinkSelection => "shrink_selection".to_owned(),
+            Self::FeatherSelection => "feather_selection".to_owned(),
+            Self::ShowSelection => "show_selection".to_owned(),
             Self::CommandPalette => "command_palette".to_owned(),
             Self::ToggleTheme => "toggle_theme".to_owned(),
             Self::LargerInterface => "larger_interface".to_owned(),
@@ -217,6 +272,7 @@ impl Command {
         match self {
             Self::Brush(brush_type) => capitalised(&format!("{} brush", words(brush_type.name()))),
             Self::Mode(mode) => format!("Show {}", words(mode.name())),
+            Self::Hand(hand) => hand.title().to_owned(),
             Self::New => "New terrain…".to_owned(),
             Self::Open => "Open terrain…".to_owned(),
             Self::Import => "Import heights…".to_owned(),
@@ -224,12 +280,19 @@ impl Command {
             Self::Cancel => "Cancel what is running".to_owned(),
             Self::FrameAll => "Show all of the terrain".to_owned(),
             Self::LookDown => "Look straight down".to_owned(),
+            Self::KeepPlace(number) => format!("Keep this place as {number}"),
+            Self::GoToPlace(number) => format!("Go to place {number}"),
+            Self::Compare => "Compare with how it was before".to_owned(),
+            Self::ShowHistogram => "Show histogram of heights".to_owned(),
             Self::Larger => "Larger brush".to_owned(),
             Self::Smaller => "Smaller brush".to_owned(),
             Self::Stronger => "Stronger brush".to_owned(),
             Self::Weaker => "Weaker brush".to_owned(),
             Self::CopyFromHere => "Copy from under the pointer".to_owned(),
             Self::TakeHeight => "Take the height under the pointer".to_owned(),
+            Self::Copy => "Copy the selected ground".to_owned(),
+            Self::Paste => "Paste as a floating piece".to_owned(),
+            Self::PutDown => "Put the floating piece down".to_owned(),
             Self::AddProcedure => "Add a layer that the brush makes".to_owned(),
             Self::AddEffect => "Add the brush as an effect on what lies below".to_owned(),
             Self::TuneLayer => "Give the layer the brush in the hand".to_owned(),
@@ -256,12 +319,25 @@ impl Command {
             Self::Undo
             | Self::Redo
             | Self::Cancel
+            | Self::Copy
+            | Self::Paste
+            | Self::PutDown
             | Self::SelectAll
             | Self::SelectNothing
-            | Self::InvertSelection => Menu::Edit,
+            | Self::InvertSelection
+            | Self::GrowSelection
+            | Self::ShrinkSelection
+            | Self::FeatherSelection
+            | Self::Compare
+            | Self::Hand(_) => Menu::Edit,
             Self::FrameAll
             | Self::LookDown
             | Self::Mode(_)
+            | Self::ShowSelection
+            | Self::ShowMap
+            | Self::ShowHistogram
+            | Self::KeepPlace(_)
+            | Self::GoToPlace(_)
             | Self::ToggleTheme
             | Self::LargerInterface
             | Self::SmallerInterface => Menu::View,

@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use orogeny_engine::session::{Event, Session, Status, Ticket};
-use orogeny_engine::{Gpu, Layer, LayerContent, LiveView, Progress, TerrainGrid, ViewRequest};
+use orogeny_engine::{EntryId, Gpu, Layer, LayerContent, LiveView, Progress, TerrainGrid, ViewRequest};
 
+use crate::overview::Overview;
+use crate::piece::Copied;
 use crate::{CameraControl, Result};
 
 /// Bytes of pages that are drawn from at most.
@@ -50,6 +52,14 @@ pub struct Document {
     pub layer: u32,
     /// The stroke that is being drawn.
     pub stroke: Option<Ticket>,
+    /// All of it in few heights.
+    pub overview: Overview,
+    /// What was copied of it.
+    pub copied: Option<Copied>,
+    /// Whether what is selected is to be copied as soon as it is known.
+    pub is_copying: bool,
+    /// The entry to go back to, while the terrain is seen as it was.
+    pub now: Option<EntryId>,
     /// The masks that come with pages.
     shown_masks: Vec<String>,
 }
@@ -75,6 +85,10 @@ impl Document {
             jobs: Vec::new(),
             layer,
             stroke: None,
+            overview: Overview::default(),
+            copied: None,
+            is_copying: false,
+            now: None,
             shown_masks: Vec::new(),
         })
     }
@@ -84,6 +98,7 @@ impl Document {
     /// # Errors
     /// When it has no memory for that.
     pub fn draw_on(&mut self, gpu: &Gpu) -> Result<()> {
+        self.overview.forget_pictures();
         self.view = LiveView::new(gpu, &self.status, DRAWN_BYTES)?;
         Ok(())
     }
@@ -136,16 +151,52 @@ impl Document {
                         messages.push(Message { text, is_error: false });
                     }
                 }
+                // A survey that was given up with the rest is asked for again.
+                Event::Failed { ticket, is_cancelled, .. }
+                    if self.overview.take_failed(ticket, is_cancelled) => {}
                 Event::Failed { ticket, message, is_cancelled, .. } => {
                     self.end(ticket);
                     let text =
                         if is_cancelled { "cancelled: nothing was changed".to_owned() } else { message };
                     messages.push(Message { text, is_error: !is_cancelled });
                 }
+                Event::Changed { is_settled: true, .. } => self.overview.note_changed(),
+                Event::Surveyed { ticket, survey } => {
+                    self.overview.take(ticket, *survey);
+                    messages.extend(self.finish_copying());
+                }
                 Event::Changed { .. } | Event::Pages(_) => {}
             }
         }
         Ok(messages)
+    }
+
+    /// Copies what is selected, as soon as that is known.
+    pub fn copy(&mut self) -> Option<Message> {
+        self.is_copying = true;
+        self.overview.want(&self.session);
+        self.finish_copying()
+    }
+
+    fn finish_copying(&mut self) -> Option<Message> {
+        if !self.is_copying || !self.overview.is_true() {
+            return None;
+        }
+        self.is_copying = false;
+        self.copied = self.overview.survey().and_then(Copied::selected);
+        Some(match self.copied {
+            Some(Copied { region_m: [.., width_m, depth_m] }) => {
+                let text = format!(
+                    "{width_m:.0} m x {depth_m:.0} m are copied: Ctrl+V has them float over the ground"
+                );
+                Message { text, is_error: false }
+            }
+            None => {
+                let text =
+                    "nothing is selected: select what is to be copied, with Rectangle or Lasso".to_owned();
+                Message { text, is_error: false }
+            }
+        })
     }
 
     fn take_status(&mut self, status: Status) {

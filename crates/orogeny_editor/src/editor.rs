@@ -7,21 +7,24 @@ use std::time::{Duration, Instant};
 use egui::{TextureId, Ui};
 use orogeny_engine::session::{Event, HistoryItem, Session, Travel};
 use orogeny_engine::{
-    BrushType, Cursor, Gpu, Layer, Mode, Operation, PointerSample, Presets, Settings, TerrainGrid,
+    BrushType, Direction, Format, Gpu, Layer, Mode, Operation, Preset, Presets, Settings, TerrainGrid,
     ViewRequest,
 };
 use serde_json::Value;
 
+use crate::Hand;
 use crate::Result;
 use crate::camera::CameraControl;
 use crate::document::{Document, Message};
 use crate::keymap::Keymap;
+use crate::measure::Measurement;
 use crate::panels::{Dialog, Panels};
+use crate::piece::Piece;
 use crate::preferences::Preferences;
 use crate::quality::Quality;
 use crate::thumbnails::Thumbnails;
-use crate::tool::{Tool, Twist};
-use crate::viewport::{Point, Viewport, Wish};
+use crate::tool::Tool;
+use crate::viewport::Viewport;
 
 /// Messages that are kept at most.
 const MAX_MESSAGES: usize = 200;
@@ -64,13 +67,13 @@ pub struct Editor {
     /// As they are in their file.
     written: Preferences,
     pub(crate) keymap: Keymap,
-    gpu: Gpu,
+    pub(crate) gpu: Gpu,
     opening: Option<Opening>,
     pub(crate) document: Option<Document>,
     pub(crate) tool: Tool,
     pub(crate) request: ViewRequest,
     pub(crate) viewport: Viewport,
-    quality: Quality,
+    pub(crate) quality: Quality,
     pub(crate) thumbnails: Thumbnails,
     pub(crate) panels: Panels,
     pub(crate) messages: Vec<Message>,
@@ -78,9 +81,9 @@ pub struct Editor {
     /// When preferences were last looked at.
     remembered: Instant,
     /// The picture of the viewport as egui knows it.
-    picture: Option<TextureId>,
+    pub(crate) picture: Option<TextureId>,
     /// Whether what is drawn went into a new texture.
-    is_picture_new: bool,
+    pub(crate) is_picture_new: bool,
 }
 
 impl std::fmt::Debug for Editor {
@@ -154,6 +157,7 @@ impl Editor {
             );
             return self.tell(text, true);
         }
+        self.end_comparing();
         match Session::open(path, self.options.settings.clone(), move || wake()) {
             Ok(session) => self.opening = Some(Opening { path: path.to_owned(), session }),
             Err(err) => self.tell(format!("`{}` cannot be opened: {err}", path.display()), true),
@@ -180,6 +184,7 @@ impl Editor {
         self.gpu = gpu;
         self.picture = None;
         self.is_picture_new = true;
+        self.thumbnails.forget();
         let Some(document) = &mut self.document else { return };
         if let Err(err) = document.draw_on(&self.gpu) {
             self.tell(err.to_string(), true);
@@ -221,9 +226,12 @@ impl Editor {
         match Document::new(&path, session, status, &self.gpu, camera) {
             Ok(document) => {
                 self.tool.set_terrain(&document.status);
+                self.panels.selecting.set_terrain(&document.status);
+                (self.viewport.tape_m, self.viewport.piece) = (None, None);
                 self.document = Some(document);
                 self.is_picture_new = true;
                 self.preferences.note_opened(&path);
+                self.go_back_to_remembered();
                 self.remember();
             }
             Err(err) => self.tell(err.to_string(), true),
@@ -236,6 +244,7 @@ impl Editor {
         if let Some(document) = &self.document {
             self.preferences.cameras.insert(document.path.clone(), document.camera);
         }
+        self.forget_comparing();
         self.preferences.brush = self.tool.brush_type.name().to_owned();
         self.preferences.brushes.clone_from(&self.tool.objects);
         self.preferences.mode = self.request.mode.name().to_owned();
@@ -301,6 +310,26 @@ impl Editor {
         self.tool.brush_type
     }
 
+    /// What the left button does.
+    #[must_use]
+    pub const fn hand(&self) -> Hand {
+        self.viewport.hand
+    }
+
+    /// What floats over the ground.
+    #[must_use]
+    pub const fn piece(&self) -> Option<&Piece> {
+        self.viewport.piece.as_ref()
+    }
+
+    /// What the tape measures, where one lies on the ground: as finely as that has been drawn so far.
+    #[must_use]
+    pub fn measured(&self) -> Option<Measurement> {
+        let (document, tape_m) = (self.document.as_ref()?, self.viewport.tape_m?);
+        let spacing_m = document.status.grid.spacing_m();
+        Some(Measurement::between(tape_m, spacing_m, |place_m| f64::from(document.view.ground(place_m).0)))
+    }
+
     /// The radius of the brush in the hand, metres.
     #[must_use]
     pub fn brush_radius_m(&self) -> f64 {
@@ -316,6 +345,7 @@ impl Editor {
     /// Closes the window, once what is under way is done.
     pub fn request_close(&mut self) {
         self.is_closing = true;
+        self.end_comparing();
         if let Some(document) = &mut self.document
             && let Some(stroke) = document.stroke
         {
@@ -346,7 +376,9 @@ impl Editor {
     /// Whether nothing is under way, and what is seen is all there is to see.
     #[must_use]
     pub fn is_settled(&self) -> bool {
-        let is_settled = |document: &Document| document.jobs.is_empty() && document.view.is_complete();
+        let is_settled = |document: &Document| {
+            document.jobs.is_empty() && document.view.is_complete() && !document.overview.is_waiting()
+        };
         self.opening.is_none()
             && !self.thumbnails.is_waiting()
             && self.document.as_ref().is_none_or(is_settled)
@@ -374,10 +406,36 @@ impl Editor {
                 self.run(command, ui.ctx());
             }
         }
+        let dropped = ui.input(|input| input.raw.dropped_files.clone());
+        for file in dropped {
+            self.take_dropped(file.path());
+        }
         self.set_look(ui.ctx());
         crate::panels::show(self, ui);
         self.look(ui);
         crate::panels::show_dialog(self, ui.ctx());
+    }
+
+    /// A file that was dropped on the window: a terrain is opened, heights are offered to be imported, a preset is kept.
+    fn take_dropped(&mut self, file: &Path) {
+        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("orogeny")) {
+            return self.open(file);
+        }
+        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
+            // One of that name stays as it is.
+            let kept = Preset::read(file).and_then(|preset| self.options.presets.save(&preset, false));
+            return match kept {
+                Ok(path) => self.tell(format!("the preset was kept as `{}`", path.display()), false),
+                Err(err) => self.tell(err.to_string(), true),
+            };
+        }
+        match Format::from_path(file, Direction::Import) {
+            Ok(_) if self.document.is_some() => {
+                self.panels.dialog = Some(Dialog::import_of(self, file));
+            }
+            Ok(_) => self.tell("open a terrain, or make one: then drop the heights on it again", true),
+            Err(err) => self.tell(format!("`{}`: {err}", file.display()), true),
+        }
     }
 
     fn set_look(&self, ctx: &egui::Context) {
@@ -388,114 +446,11 @@ impl Editor {
         }
     }
 
-    /// The viewport: what is left of the window.
-    fn look(&mut self, ui: &mut Ui) {
-        let Some(document) = &mut self.document else {
-            ui.centered_and_justified(|ui| ui.label("No terrain is open: File, Open or New"));
-            return;
-        };
-        let pixels_per_point = ui.ctx().pixels_per_point();
-        let before = (document.camera, self.viewport.hovered);
-        let (rect, room_px, wishes) = self.viewport.show(ui, document, &mut self.request, pixels_per_point);
-        if before != (document.camera, self.viewport.hovered) || self.viewport.is_busy() {
-            self.quality.note_motion();
-        }
-        if let Some(wait) = self.quality.until_still() {
-            ui.ctx().request_repaint_after(wait);
-        }
-        let size_px = self.quality.size_px(room_px);
-        // The ring is that of a stroke that could be drawn; a brush that lacks something has none.
-        let is_on_mask = document.has_only_mask();
-        let ring = self.tool.stroke(document.layer, is_on_mask, Twist::None, &self.options.presets);
-        self.request.cursors =
-            ring.map(|stroke| self.viewport.cursors(&stroke, document)).unwrap_or_default();
-        let source = self.tool.source_m().map(|centre_m| Cursor {
-            centre_m,
-            radius_m: (self.tool.radius_m() / 4.0) as f32,
-            hardness: 1.0,
-        });
-        self.request.cursors.extend(source);
-        let camera = document.camera.camera(size_px);
-        self.request.mask = match (self.tool.is_on_selection, document.current_layer()) {
-            (false, Some(layer)) => layer.name.clone(),
-            _ => "selection".to_owned(),
-        };
-        document.show_masks(&self.request);
-        let has_shadows =
-            self.request.has_shadows && (!self.gpu.description().is_software || self.quality.is_still());
-        let request = ViewRequest { has_shadows, ..self.request.clone() };
-        let drawn = document.view.draw(&camera, size_px, &request);
-        let wanted = document.view.wanted();
-        if !wanted.is_empty() {
-            document.session.look(wanted);
-        }
-        match self.picture {
-            Some(picture) => {
-                let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-                ui.painter().image(picture, rect, whole, egui::Color32::WHITE);
-            }
-            None => _ = ui.painter().rect_filled(rect, 0.0, egui::Color32::DARK_GRAY),
-        }
-        if let Err(err) = drawn {
-            self.tell(err.to_string(), true);
-        }
-        for wish in wishes {
-            self.grant(wish);
-        }
-    }
-
-    fn grant(&mut self, wish: Wish) {
-        let Some(document) = &mut self.document else { return };
-        match wish {
-            Wish::Begin(twist) => {
-                let is_on_mask = document.has_only_mask();
-                let stroke = self.tool.begin(document.layer, is_on_mask, twist, &self.options.presets);
-                match stroke {
-                    Ok(stroke) => {
-                        let what = format!("stroke {}", stroke.brush().brush_type.name());
-                        let ticket = document.session.begin_stroke(stroke);
-                        document.stroke = Some(ticket);
-                        document.note(ticket, what);
-                    }
-                    Err(err) => {
-                        document.end_stroke();
-                        self.viewport.let_go();
-                        self.tell(err.to_string(), true);
-                    }
-                }
-            }
-            Wish::Points(points) => {
-                let Some(stroke) = document.stroke else { return };
-                let has_time = self.tool.object().get("airbrush").and_then(Value::as_bool) == Some(true);
-                let sample = |point: Point| {
-                    let [x_m, z_m] = point.place_m;
-                    let sample = PointerSample::at(x_m, z_m).with_pressure(point.pressure);
-                    PointerSample { time_s: has_time.then_some(point.time_s), ..sample }
-                };
-                document.session.push_points(stroke, points.into_iter().map(sample).collect());
-            }
-            Wish::Lift => {
-                let Some(stroke) = document.stroke else { return };
-                document.session.lift(stroke);
-                document.end_stroke();
-            }
-        }
-    }
-
-    /// What draws the picture, where its texture is another than when this was last asked: to be made known to egui.
-    pub fn take_picture_view(&mut self) -> Option<wgpu::TextureView> {
-        let document = self.document.as_mut()?;
-        let is_new = std::mem::take(&mut self.is_picture_new) | document.view.take_is_resized();
-        is_new.then(|| document.view.picture_view())
-    }
-
-    /// How egui knows the picture from now on.
-    pub const fn set_picture(&mut self, picture: TextureId) {
-        self.picture = Some(picture);
-    }
-
     /// Runs operations on what is open.
     pub(crate) fn apply(&mut self, what: &str, operations: Vec<Value>) {
+        if !self.may_change() {
+            return;
+        }
         let Some(document) = &mut self.document else { return };
         let read = |value| Operation::from_json_with(value, &self.options.presets);
         match operations.into_iter().map(read).collect::<Result<Vec<_>, _>>() {
@@ -509,6 +464,9 @@ impl Editor {
 
     /// Fills the current layer with the brush.
     pub(crate) fn fill(&mut self) {
+        if !self.may_change() {
+            return;
+        }
         let Some(document) = &mut self.document else { return };
         match self.tool.fill(document.layer, &self.options.presets) {
             Ok(operation) => {
@@ -520,7 +478,14 @@ impl Editor {
         }
     }
 
+    /// Goes through the history.
     pub(crate) fn travel(&mut self, what: &str, travel: Travel) {
+        if self.may_change() {
+            self.go(what, travel);
+        }
+    }
+
+    pub(crate) fn go(&mut self, what: &str, travel: Travel) {
         let Some(document) = &mut self.document else { return };
         let ticket = document.session.travel(travel);
         document.note(ticket, what);
@@ -531,9 +496,12 @@ impl Editor {
     /// # Errors
     /// When the terrain's file could not be closed well; nothing is lost then.
     pub fn close(&mut self) -> Result<()> {
+        self.end_comparing();
         self.remember();
         if let Some(document) = self.document.take() {
             document.session.close()?;
+            self.preferences.comparing.remove(&document.path);
+            self.remember();
         }
         Ok(())
     }

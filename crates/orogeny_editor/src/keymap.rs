@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use egui::{Key, KeyboardShortcut, Modifiers};
+use egui::{Event, Key, KeyboardShortcut, Modifiers};
 use orogeny_engine::{BrushType, Mode};
 
-use crate::Command;
+use crate::{Command, Hand};
 
 /// Whose keys are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -91,6 +91,10 @@ const fn control(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::COMMAND, key)
 }
 
+const fn control_shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
+}
+
 const fn shift(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::SHIFT, key)
 }
@@ -104,7 +108,10 @@ impl Keymap {
     /// What cannot be understood of them is left out.
     #[must_use]
     pub fn new(habit: Habit, changes: &BTreeMap<String, String>) -> Self {
-        let control_shift = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+        let numbers = [Key::Num1, Key::Num2, Key::Num3, Key::Num4];
+        let places = (1..).zip(numbers).flat_map(|(number, key)| {
+            [(Command::KeepPlace(number), control(key)), (Command::GoToPlace(number), alt(key))]
+        });
         let own = [
             (Command::New, control(Key::N)),
             (Command::Open, control(Key::O)),
@@ -112,7 +119,7 @@ impl Keymap {
             (Command::Export, control(Key::E)),
             (Command::Quit, control(Key::Q)),
             (Command::Undo, control(Key::Z)),
-            (Command::Redo, control_shift),
+            (Command::Redo, control_shift(Key::Z)),
             (Command::Cancel, key(Key::Escape)),
             (Command::FrameAll, key(Key::F)),
             (Command::LookDown, key(Key::T)),
@@ -122,8 +129,19 @@ impl Keymap {
             (Command::Weaker, key(Key::Minus)),
             (Command::CopyFromHere, key(Key::C)),
             (Command::TakeHeight, key(Key::H)),
+            (Command::Copy, control(Key::C)),
+            (Command::Paste, control(Key::V)),
+            (Command::PutDown, key(Key::Enter)),
             (Command::SelectAll, control(Key::A)),
             (Command::SelectNothing, control(Key::D)),
+            (Command::InvertSelection, control_shift(Key::I)),
+            (Command::Hand(Hand::Brush), key(Key::B)),
+            (Command::Hand(Hand::Rectangle), key(Key::R)),
+            (Command::Hand(Hand::Lasso), key(Key::O)),
+            (Command::Hand(Hand::Tape), key(Key::M)),
+            (Command::ShowMap, control(Key::M)),
+            (Command::ShowHistogram, control(Key::H)),
+            (Command::Compare, key(Key::V)),
             (Command::CommandPalette, control(Key::P)),
             (Command::LargerInterface, control(Key::Equals)),
             (Command::SmallerInterface, control(Key::Minus)),
@@ -139,7 +157,7 @@ impl Keymap {
             (Command::Brush(BrushType::PaintMask), key(Key::Num9)),
         ];
         let mut keymap = Self::default();
-        for (command, shortcut) in own.into_iter().chain(habit.others()) {
+        for (command, shortcut) in own.into_iter().chain(places).chain(habit.others()) {
             keymap.set(command, Some(shortcut));
         }
         for (id, text) in changes {
@@ -181,7 +199,7 @@ impl Keymap {
         };
         keys.sort_by_key(|(_, shortcut)| std::cmp::Reverse(num_modifiers(shortcut)));
         keys.into_iter()
-            .filter(|(_, shortcut)| input.consume_shortcut(shortcut))
+            .filter(|(_, shortcut)| input.consume_shortcut(shortcut) || take_clipboard(input, shortcut))
             .map(|(command, _)| command)
             .collect()
     }
@@ -210,6 +228,19 @@ impl Keymap {
         }
         Some(KeyboardShortcut::new(modifiers, Key::from_name(name)?))
     }
+}
+
+/// Whether keys were pressed that come as what they usually do with the clipboard.
+fn take_clipboard(input: &mut egui::InputState, shortcut: &KeyboardShortcut) -> bool {
+    let is_it = |event: &Event| match event {
+        Event::Copy => *shortcut == control(Key::C),
+        Event::Cut => *shortcut == control(Key::X),
+        Event::Paste(_) => *shortcut == control(Key::V),
+        _ => false,
+    };
+    let num_events = input.events.len();
+    input.events.retain(|event| !is_it(event));
+    input.events.len() < num_events
 }
 
 #[cfg(test)]

@@ -10,6 +10,11 @@ use crate::{CameraControl, Error, Habit, Keymap, Result};
 
 /// Files that are offered again at most.
 const MAX_RECENT: usize = 12;
+/// Places to look from that are kept for each terrain.
+pub const NUM_PLACES: u8 = 4;
+
+/// Places to look from, by their numbers from 1 on.
+pub type Places = [Option<CameraControl>; NUM_PLACES as usize];
 
 /// What is remembered. What a file does not say is as at the first start; what it says beyond is kept.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -19,6 +24,10 @@ pub struct Preferences {
     pub recent: Vec<PathBuf>,
     /// Where the eye was in each of them, by its path.
     pub cameras: BTreeMap<PathBuf, CameraControl>,
+    /// Places to look from that were kept, by the terrain's path.
+    pub places: BTreeMap<PathBuf, Places>,
+    /// Entries to go back to, of terrains that are seen as they were, by their paths.
+    pub comparing: BTreeMap<PathBuf, u32>,
     /// Whose keys are used.
     pub habit: Habit,
     /// Keys that differ, by the ids of commands: `"undo": "Alt+U"`; empty for no key.

@@ -69,6 +69,12 @@ impl Thumbnails {
         self.last.clone()
     }
 
+    /// Forgets what was drawn: the device that it was on is lost.
+    pub fn forget(&mut self) {
+        self.drawn.clear();
+        self.last = None;
+    }
+
     /// Whether one is to come.
     #[must_use]
     pub fn is_waiting(&self) -> bool {

@@ -2,9 +2,12 @@
 
 use egui::{Event, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2};
 use glam::DVec3;
-use orogeny_engine::{BrushOperation, Camera, Cursor, ViewRequest};
+use orogeny_engine::{BrushOperation, Camera, Cursor, LiveView, SelectCombine, ViewRequest};
 
 use crate::document::Document;
+use crate::hand::{Hand, combine_of, corners_m};
+use crate::outline::{Sketch, on_ground, place_on_ground};
+use crate::piece::{Handle, Piece};
 use crate::tool::Twist;
 
 /// Of the distance to what is looked at, what is flown in a second.
@@ -13,6 +16,14 @@ const FLY_SHARE: f64 = 0.8;
 const MIN_FLY_M: f64 = 2.0;
 /// Points of the wheel that are a step.
 const WHEEL_STEP: f32 = 50.0;
+/// How near to a handle the pointer takes hold of it, in points.
+const HANDLE_REACH: f32 = 12.0;
+/// Lines that a floating piece is drawn with, each way.
+const PIECE_LINES: u32 = 12;
+/// How far above its middle the handle that lifts it is, in halves of its width.
+const LIFT_AT: f64 = 0.5;
+/// Points on the screen that the pointer moves at least from one corner of a lasso to the next.
+const LASSO_STEP: f32 = 4.0;
 /// Degrees of the sun for each point that the pointer moves.
 const SUN_TURN: f32 = 0.4;
 
@@ -24,6 +35,12 @@ enum Grip {
     None,
     /// Drawing with the brush.
     Drawing,
+    /// Drawing a line around what is to be selected.
+    Outlining(SelectCombine),
+    /// Drawing out the tape.
+    Measuring,
+    /// Holding the floating piece.
+    Placing(Handle),
     /// Looking around, and flying.
     Looking,
     /// Dragging the ground that was picked.
@@ -38,6 +55,16 @@ enum Grip {
 #[derive(Debug, Default)]
 pub struct Viewport {
     grip: Grip,
+    /// What the left button does.
+    pub hand: Hand,
+    /// Where the outline that is being drawn goes, `[x, z]` in metres; of a rectangle, two corners.
+    path_m: Vec<[f64; 2]>,
+    /// Where its last corner lies on the screen.
+    path_end: Pos2,
+    /// What is measured between, `[x, z]` in metres.
+    pub tape_m: Option<[[f64; 2]; 2]>,
+    /// What floats over the ground.
+    pub piece: Option<Piece>,
     /// The ground under the pointer, metres.
     pub hovered: Option<DVec3>,
     /// The last ground that was met, for where there is none.
@@ -59,6 +86,13 @@ pub enum Wish {
     Points(Vec<Point>),
     /// End it.
     Lift,
+    /// Select what is outlined.
+    Select {
+        /// Corners of the outline, `[x, z]` in metres; of a rectangle, two opposite ones.
+        path_m: Vec<[f64; 2]>,
+        /// How it joins what was selected before.
+        combine: SelectCombine,
+    },
 }
 
 /// A point of a stroke.
@@ -143,8 +177,11 @@ impl Viewport {
                     let by = at.map_or(Vec2::ZERO, |at| to - at);
                     at = Some(to);
                     self.moved(ui, to, by, sight, document, request);
-                    if self.grip == Grip::Drawing {
-                        points.extend(self.point(to, now_s, sight, document));
+                    match self.grip {
+                        Grip::Drawing => points.extend(self.point(to, now_s, sight, document)),
+                        Grip::Outlining(_) | Grip::Measuring => self.outline(to, sight, document),
+                        Grip::Placing(handle) => self.place(handle, to, by, sight, document),
+                        _ => {}
                     }
                 }
                 Event::Touch { phase, force, .. } => {
@@ -158,6 +195,20 @@ impl Viewport {
                     self.grip = match button {
                         PointerButton::Primary if modifiers.alt => Grip::Orbiting(place),
                         PointerButton::Primary if ui.input(|input| input.key_down(Key::L)) => Grip::Sunning,
+                        // While something floats, nothing else is done by hand.
+                        PointerButton::Primary if self.piece.is_some() => {
+                            self.handle_at(pos, place, sight, document).map_or(Grip::None, Grip::Placing)
+                        }
+                        PointerButton::Primary if self.hand != Hand::Brush => {
+                            let place_m = [place.x, place.z];
+                            (self.path_m, self.path_end) = (vec![place_m], pos);
+                            if self.hand == Hand::Tape {
+                                self.tape_m = Some([place_m; 2]);
+                                Grip::Measuring
+                            } else {
+                                Grip::Outlining(combine_of(modifiers))
+                            }
+                        }
                         PointerButton::Primary => {
                             wishes.push(Wish::Begin(match modifiers {
                                 _ if modifiers.shift => Twist::Smooth,
@@ -176,7 +227,12 @@ impl Viewport {
                 }
                 Event::PointerButton { button, pressed: false, .. } => {
                     let is_mine = match self.grip {
-                        Grip::Drawing | Grip::Orbiting(_) | Grip::Sunning => button == PointerButton::Primary,
+                        Grip::Drawing
+                        | Grip::Outlining(_)
+                        | Grip::Measuring
+                        | Grip::Placing(_)
+                        | Grip::Orbiting(_)
+                        | Grip::Sunning => button == PointerButton::Primary,
                         Grip::Looking => button == PointerButton::Secondary,
                         Grip::Dragging(_) => button == PointerButton::Middle,
                         Grip::None => false,
@@ -185,6 +241,9 @@ impl Viewport {
                         wishes
                             .extend((!points.is_empty()).then(|| Wish::Points(std::mem::take(&mut points))));
                         wishes.push(Wish::Lift);
+                    }
+                    if let (true, Grip::Outlining(combine)) = (is_mine, self.grip) {
+                        wishes.push(Wish::Select { path_m: std::mem::take(&mut self.path_m), combine });
                     }
                     if is_mine {
                         self.grip = Grip::None;
@@ -230,9 +289,91 @@ impl Viewport {
                 let altitude = request.sun_altitude_degrees - f64::from(by.y * SUN_TURN);
                 request.sun_altitude_degrees = altitude.clamp(-5.0, 90.0);
             }
-            Grip::None | Grip::Drawing => return,
+            Grip::None | Grip::Drawing | Grip::Outlining(_) | Grip::Measuring | Grip::Placing(_) => return,
         }
         ui.ctx().request_repaint();
+    }
+
+    /// Takes an outline or a tape along.
+    fn outline(&mut self, to: Pos2, sight: &Sight, document: &Document) {
+        let Some(place) = self.meet(to, sight, document) else { return };
+        let place_m = [place.x, place.z];
+        match (self.hand, &mut self.tape_m) {
+            (Hand::Tape, Some([_, end_m])) => *end_m = place_m,
+            (Hand::Lasso, _) if (to - self.path_end).length() >= LASSO_STEP => {
+                self.path_m.push(place_m);
+                self.path_end = to;
+            }
+            (Hand::Rectangle, _) => {
+                self.path_m.truncate(1);
+                self.path_m.push(place_m);
+            }
+            _ => {}
+        }
+    }
+
+    /// What of the floating piece is at a point of the window that meets the ground at a place.
+    fn handle_at(&self, at: Pos2, place: DVec3, sight: &Sight, document: &Document) -> Option<Handle> {
+        let piece = self.piece.as_ref()?;
+        let sketch = Sketch::new(sight.camera, sight.rect);
+        let is_at =
+            |place: DVec3| sketch.seen_at(place).is_some_and(|seen| (seen - at).length() <= HANDLE_REACH);
+        let view = &document.view;
+        if is_at(lift_place(piece, view)) {
+            return Some(Handle::Lift);
+        }
+        if is_at(place_on_ground(view, piece.turn_m())) {
+            return Some(Handle::Turn);
+        }
+        if piece.corners_m().into_iter().any(|corner_m| is_at(place_on_ground(view, corner_m))) {
+            return Some(Handle::Corner);
+        }
+        let place_m = [place.x, place.z];
+        let from_middle_m = [place_m[0] - piece.to_m[0], place_m[1] - piece.to_m[1]];
+        piece.contains(place_m).then_some(Handle::Inside(from_middle_m))
+    }
+
+    /// Takes the floating piece along.
+    fn place(&mut self, handle: Handle, to: Pos2, by: Vec2, sight: &Sight, document: &Document) {
+        let place = self.meet(to, sight, document);
+        let Some(piece) = &mut self.piece else { return };
+        if handle == Handle::Lift {
+            // As far as the pointer goes where the handle is.
+            let away = (lift_place(piece, &document.view) - sight.camera.eye_m()).length();
+            let [_, half_height] = sight.camera.half_extent();
+            let metres_a_point = 2.0 * half_height * away / f64::from(sight.rect.height().max(1.0));
+            piece.offset_m -= f64::from(by.y) * metres_a_point;
+        } else if let Some(place) = place {
+            piece.drag(handle, [place.x, place.z]);
+        }
+    }
+
+    /// Draws over the picture what hands have drawn out.
+    pub fn sketch(&self, ui: &Ui, rect: Rect, camera: Camera, document: &Document) {
+        let painter = ui.painter().with_clip_rect(rect);
+        let sketch = Sketch::new(camera, rect);
+        let view = &document.view;
+        match (self.grip, self.hand, self.path_m.as_slice()) {
+            (Grip::Outlining(_), Hand::Rectangle, [from_m, to_m]) => {
+                sketch.line(&painter, on_ground(view, &corners_m(*from_m, *to_m), true));
+            }
+            (Grip::Outlining(_), Hand::Lasso, path_m) => {
+                let corner = |[x, z]: &[f64; 2]| DVec3::new(*x, f64::from(view.ground([*x, *z]).0), *z);
+                sketch.line(&painter, path_m.iter().chain(path_m.first()).map(corner));
+            }
+            _ => {}
+        }
+        if let Some(piece) = &self.piece {
+            sketch_piece(piece, &sketch, &painter, document);
+        }
+        if let Some(tape_m) = &self.tape_m {
+            let places = on_ground(view, tape_m, false);
+            [places.first(), places.last()]
+                .into_iter()
+                .flatten()
+                .for_each(|end| sketch.handle(&painter, *end));
+            sketch.line(&painter, places);
+        }
     }
 
     /// Where a stroke goes under the pointer: the ground, or the height of the last ground where there is none.
@@ -278,10 +419,42 @@ impl Viewport {
     /// The brush's ring, and those of its copies; `stroke` is one of the brush, without points.
     #[must_use]
     pub fn cursors(&self, stroke: &BrushOperation, document: &Document) -> Vec<Cursor> {
-        let Some(place) = self.hovered else { return Vec::new() };
+        let is_drawing = self.hand == Hand::Brush && self.piece.is_none();
+        let Some(place) = self.hovered.filter(|_| is_drawing) else { return Vec::new() };
         let brush = stroke.brush();
         let (radius_m, plateau) = (brush.radius_m, 1.0 - brush.profile().falloff_ratio);
         let ring = |centre_m| Cursor { centre_m, radius_m: radius_m as f32, hardness: plateau as f32 };
         stroke.copies_m(&document.status.grid, [place.x, place.z]).into_iter().map(ring).collect()
     }
+}
+
+/// Where the handle is that lifts a piece.
+fn lift_place(piece: &Piece, view: &LiveView) -> DVec3 {
+    let [.., width_m, _] = piece.region_m;
+    piece_place(piece, view, [0.0, 0.0]) + DVec3::Y * (LIFT_AT * width_m * piece.scale)
+}
+
+/// A place of a piece where it floats: as high as it was copied, and lifted.
+fn piece_place(piece: &Piece, view: &LiveView, share: [f64; 2]) -> DVec3 {
+    let (from_m, [x_m, z_m]) = piece.place_m(share);
+    let (height_m, _) = view.ground(from_m);
+    DVec3::new(x_m, f64::from(height_m) + piece.offset_m, z_m)
+}
+
+/// Draws a piece as a net where it floats, its edge on the ground, and its handles.
+fn sketch_piece(piece: &Piece, sketch: &Sketch, painter: &egui::Painter, document: &Document) {
+    let view = &document.view;
+    let share = |line: u32| 2.0 * f64::from(line) / f64::from(PIECE_LINES) - 1.0;
+    for line in 0..=PIECE_LINES {
+        let along = |step| piece_place(piece, view, [share(step), share(line)]);
+        sketch.fine_line(painter, (0..=PIECE_LINES).map(along));
+        let across = |step| piece_place(piece, view, [share(line), share(step)]);
+        sketch.fine_line(painter, (0..=PIECE_LINES).map(across));
+    }
+    let corners_m = piece.corners_m();
+    sketch.line(painter, on_ground(view, &corners_m, true));
+    for corner_m in corners_m.into_iter().chain([piece.turn_m()]) {
+        sketch.handle(painter, place_on_ground(view, corner_m));
+    }
+    sketch.handle(painter, lift_place(piece, view));
 }

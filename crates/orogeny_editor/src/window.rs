@@ -68,7 +68,8 @@ struct Shown {
     editor: Editor,
     input: egui_winit::State,
     screen: Screen,
-    proxy: EventLoopProxy<Happened>,
+    /// How many devices there have been.
+    num_devices: u32,
     /// When the next frame is wanted, if nothing happens before.
     next_frame: Option<Instant>,
 }
@@ -218,10 +219,10 @@ impl Shown {
             None => editor.open_last(),
         }
         window.request_redraw();
-        Ok(Self { window, editor, input, screen, next_frame: None, proxy })
+        Ok(Self { window, editor, input, screen, num_devices: 1, next_frame: None })
     }
 
-    fn draw(&mut self, events: &ActiveEventLoop) {
+    fn draw(&mut self) {
         let start = Instant::now();
         self.editor.update();
         let input = self.input.take_egui_input(&self.window);
@@ -239,19 +240,19 @@ impl Shown {
             self.next_frame = delay.and_then(|delay| Instant::now().checked_add(delay.min(LONGEST_WAIT)));
         }
         if let Err(err) = self.screen.gpu.check() {
-            self.mend(events, &err);
+            self.mend(&err);
         }
     }
 
     /// After the device was lost: another one, and all that was on it.
-    fn mend(&mut self, events: &ActiveEventLoop, err: &dyn std::fmt::Display) {
+    fn mend(&mut self, err: &dyn std::fmt::Display) {
         self.editor.tell(err.to_string(), true);
         match Screen::new(&self.window, self.editor.settings()) {
             Ok(screen) => {
                 self.editor.set_gpu(screen.gpu.clone());
-                // What egui has drawn with was on the old one.
-                self.input = new_input(events, &self.window, &screen.gpu, self.proxy.clone());
                 self.screen = screen;
+                self.num_devices += 1;
+                send_fonts_again(self.input.egui_ctx(), self.num_devices);
             }
             Err(err) => self.editor.tell(err.to_string(), true),
         }
@@ -288,6 +289,15 @@ fn new_input(
     input
 }
 
+/// Has letters drawn anew for another device. The interface itself stays: what reads it aloud can be tied to a window only before that is
+/// seen. It takes fonts anew where they differ from those that it has, so one of them gets another name.
+fn send_fonts_again(ctx: &egui::Context, num_devices: u32) {
+    let mut fonts = egui::FontDefinitions::default();
+    let letters = fonts.families.get(&egui::FontFamily::Proportional).cloned().unwrap_or_default();
+    fonts.families.insert(egui::FontFamily::Name(format!("device {num_devices}").into()), letters);
+    ctx.set_fonts(fonts);
+}
+
 impl ApplicationHandler<Happened> for Program {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         let Some((options, file)) = self.start.take() else { return };
@@ -315,7 +325,7 @@ impl ApplicationHandler<Happened> for Program {
             shown.window.request_redraw();
         }
         match event {
-            WindowEvent::RedrawRequested => shown.draw(events),
+            WindowEvent::RedrawRequested => shown.draw(),
             WindowEvent::Resized(size) => shown.screen.resize(size.width, size.height),
             WindowEvent::CloseRequested => {
                 shown.editor.request_close();

@@ -157,7 +157,7 @@ impl Terrain {
 }
 
 /// RGB bytes, row by row.
-fn shaded(ground: &Ground, [low_m, high_m]: [f32; 2]) -> Vec<u8> {
+pub(crate) fn shaded(ground: &Ground, [low_m, high_m]: [f32; 2]) -> Vec<u8> {
     let lights = LIGHTS.map(|(azimuth, share)| {
         let (azimuth, altitude) = (azimuth.to_radians(), LIGHT_ALTITUDE_DEGREES.to_radians());
         // North is -z.

@@ -1,11 +1,6 @@
 //! Several work on the terrain of one session: their strokes are drawn one after another, each is undone for itself.
 
-#![expect(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test that cannot go on has failed"
-)]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use std::path::Path;
 use std::time::{Duration, Instant};

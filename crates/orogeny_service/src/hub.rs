@@ -192,6 +192,8 @@ impl Hub {
                 }
             }
             Event::Pages(pages) => self.send(&pages),
+            // No one here asks for any.
+            Event::Surveyed { .. } => {}
         }
     }
 

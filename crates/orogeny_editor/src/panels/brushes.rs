@@ -1,7 +1,9 @@
 //! The palette: brushes by what they are for, presets, and a search over both.
 
 use egui::{CollapsingHeader, TextEdit, Ui};
+use orogeny_engine::presets::PresetOrigin;
 use orogeny_engine::{BrushType, Preset};
+use serde_json::{Map, Value};
 
 use crate::command::{Command, capitalised, words};
 use crate::editor::Editor;
@@ -60,7 +62,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
                     .selectable_label(is_chosen, capitalised(&words(brush_type.name())))
                     .on_hover_text(format!("{}{key}", capitalised(brush_type.summary())));
                 if button.clicked() {
-                    editor.tool.brush_type = *brush_type;
+                    editor.take_brush(*brush_type);
                 }
             }
         });
@@ -68,22 +70,58 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
     presets(editor, ui, is_found);
 }
 
+/// What is wished of a preset.
+enum PresetWish {
+    Take(Map<String, Value>),
+    Rename(String),
+    Remove(String),
+    CopyText(String),
+}
+
 fn presets(editor: &mut Editor, ui: &mut Ui, is_found: impl Fn(&str) -> bool) {
-    let mut chosen = None;
+    let mut wish = None;
     let is_searched = !editor.panels.brush_search.is_empty();
     CollapsingHeader::new("Presets").open(is_searched.then_some(true)).show(ui, |ui| {
+        let has_name = !editor.panels.preset_name.trim().is_empty();
         for known in editor.options.presets.iter() {
             let Preset { name, description, tags, brush, .. } = &known.preset;
             if !(is_found(name) || is_found(description) || tags.iter().any(|tag| is_found(tag))) {
                 continue;
             }
-            if ui.selectable_label(false, name).on_hover_text(description).clicked() {
-                chosen = Some(brush.clone());
+            let is_own = matches!(known.origin, PresetOrigin::User { .. });
+            let thumbnails = &mut editor.thumbnails;
+            let label = ui.selectable_label(false, name).on_hover_ui(|ui| {
+                ui.label(description);
+                if let Some(picture) = thumbnails.of(ui.ctx(), brush) {
+                    ui.image((picture.id(), picture.size_vec2()));
+                }
+                ui.label(egui::RichText::new("The right button has more").weak());
+            });
+            if label.clicked() {
+                wish = Some(PresetWish::Take(brush.clone()));
             }
+            label.context_menu(|ui| {
+                let rename = ui.add_enabled(is_own && has_name, egui::Button::new("Rename"));
+                if rename.on_hover_text("To the name that is typed below the presets").clicked() {
+                    wish = Some(PresetWish::Rename(name.clone()));
+                }
+                let remove = ui.add_enabled(is_own, egui::Button::new("Delete"));
+                if remove.on_hover_text("Its file; those that come with the program stay").clicked() {
+                    wish = Some(PresetWish::Remove(name.clone()));
+                }
+                let copy = ui.button("Copy as text");
+                if copy
+                    .on_hover_text("To be sent to someone: as a file dropped on the window it is kept there")
+                    .clicked()
+                {
+                    wish = Some(PresetWish::CopyText(name.clone()));
+                }
+            });
         }
         ui.horizontal(|ui| {
             let name = TextEdit::singleline(&mut editor.panels.preset_name).hint_text("Name");
-            ui.add(name.desired_width(130.0));
+            let name = ui.add(name.desired_width(130.0));
+            name.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Name of the preset"));
             if ui
                 .button("Save brush")
                 .on_hover_text("Keeps the brush with its parameters as a preset")
@@ -93,11 +131,37 @@ fn presets(editor: &mut Editor, ui: &mut Ui, is_found: impl Fn(&str) -> bool) {
             }
         });
     });
-    let Some(object) = chosen else { return };
-    match editor.options.presets.brush_object(&object) {
-        Ok(object) => editor.tool.take_up(&object),
-        Err(err) => editor.tell(err.to_string(), true),
+    let Some(wish) = wish else { return };
+    if let Err(err) = grant(editor, ui, wish) {
+        editor.tell(err.to_string(), true);
     }
+}
+
+fn grant(editor: &mut Editor, ui: &Ui, wish: PresetWish) -> orogeny_engine::Result<()> {
+    let presets = &mut editor.options.presets;
+    match wish {
+        PresetWish::Take(brush) => {
+            let object = presets.brush_object(&brush)?;
+            editor.tool.take_up(&object);
+        }
+        PresetWish::Rename(name) => {
+            let mut preset = presets.get(&name)?.preset.clone();
+            preset.name = editor.panels.preset_name.trim().to_owned();
+            // The new one is on disk before the old one goes.
+            presets.save(&preset, false)?;
+            presets.remove(&name)?;
+            editor.panels.preset_name.clear();
+        }
+        PresetWish::Remove(name) => {
+            let file = presets.remove(&name)?;
+            editor.tell(format!("`{}` was deleted", file.display()), false);
+        }
+        PresetWish::CopyText(name) => {
+            ui.ctx().copy_text(presets.get(&name)?.preset.to_json_text()?);
+            editor.tell(format!("the preset {name} was copied as text"), false);
+        }
+    }
+    Ok(())
 }
 
 fn save(editor: &mut Editor) {

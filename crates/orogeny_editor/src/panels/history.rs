@@ -4,7 +4,7 @@ use egui::{RichText, Ui};
 use orogeny_engine::session::Travel;
 use orogeny_engine::{EntryId, EntryState};
 
-use crate::command::{capitalised, words};
+use crate::command::{Command, capitalised, words};
 use crate::editor::Editor;
 
 /// Entries that are listed at most: more cannot be told apart by eye.
@@ -12,7 +12,9 @@ const MAX_LISTED: usize = 500;
 
 pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
     ui.heading("History");
+    comparing(editor, ui);
     let Some(document) = &editor.document else { return };
+    let now = document.now;
     let current = document.status.current_entry();
     let mut target = None;
     for item in document.status.history.iter().rev().take(MAX_LISTED) {
@@ -27,19 +29,54 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
             EntryState::Undone => "undone",
             EntryState::Branch => "on another branch",
         };
+        let text = if now == Some(item.id) { text.strong() } else { text };
         let hint = format!(
             "{state}, {} pages, by {}",
             item.num_pages,
             if item.author.is_empty() { "no one" } else { &item.author }
         );
-        if ui.selectable_label(item.id == current, text).on_hover_text(hint).clicked() {
+        let moment = document.overview.moment(item.id);
+        let label = ui.selectable_label(item.id == current, text).on_hover_ui(|ui| {
+            ui.label(hint);
+            if let Some(moment) = moment {
+                ui.image((moment.id(), moment.size_vec2()));
+            }
+        });
+        if label.clicked() {
             target = Some(item.id);
         }
     }
     if ui.selectable_label(current == EntryId::CREATION, "0 The terrain as it was made").clicked() {
         target = Some(EntryId::CREATION);
     }
-    if let Some(target) = target.filter(|target| *target != current) {
+    if let Some(target) = target.filter(|_| now.is_some()) {
+        editor.compare_with(target);
+    } else if let Some(target) = target.filter(|target| *target != current) {
         editor.travel("go in the history", Travel::Jump(target));
+    }
+}
+
+/// Whether the terrain is seen as it is, or as it was.
+fn comparing(editor: &mut Editor, ui: &mut Ui) {
+    let mut is_comparing = editor.is_comparing();
+    ui.horizontal_wrapped(|ui| {
+        let is_possible = super::menu::is_possible(editor, Command::Compare);
+        let compare = ui.add_enabled(is_possible, egui::Checkbox::new(&mut is_comparing, "Compare"));
+        let compare = compare.on_hover_text(
+            "Shows the terrain as it was before the last entry, or after any that is clicked meanwhile; nothing is changed by that (V)",
+        );
+        if compare.changed() {
+            editor.run(Command::Compare, &ui.ctx().clone());
+        }
+        if editor.is_comparing() && !editor.panels.shows_map {
+            let button = ui.button("Difference on the map");
+            if button.on_hover_text("By how much the ground is higher now, or lower").clicked() {
+                editor.run(Command::ShowMap, &ui.ctx().clone());
+            }
+        }
+    });
+    if editor.is_comparing() {
+        let colour = egui::Color32::from_rgb(230, 170, 70);
+        ui.colored_label(colour, "The terrain is shown as it was");
     }
 }

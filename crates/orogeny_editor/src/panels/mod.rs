@@ -3,22 +3,32 @@
 mod brushes;
 mod commands;
 mod files;
+mod hands;
+mod histogram;
 mod history;
 mod layers;
 mod light;
+mod map;
+mod measurement;
 mod menu;
 mod new_terrain;
 mod parameters;
+mod piece;
+mod plot;
 mod preferences;
+mod selection;
 mod status;
 mod tutorial;
 
 use egui::{Context, Panel, ScrollArea, Ui};
 
+use crate::Hand;
 use crate::editor::Editor;
 
 pub(crate) use files::FileDialog;
+pub(crate) use map::MapView;
 pub(crate) use new_terrain::NewTerrain;
+pub(crate) use selection::Selecting;
 
 /// What is open over the ground.
 #[derive(Debug)]
@@ -47,6 +57,13 @@ pub(crate) struct Panels {
     pub(crate) preset_name: String,
     /// Whether the list of all messages is open.
     pub(crate) shows_messages: bool,
+    /// How the selection is changed by the panel for that.
+    pub(crate) selecting: Selecting,
+    /// Whether the map is open, and what of it is seen.
+    pub(crate) shows_map: bool,
+    pub(crate) map: MapView,
+    /// Whether the histogram is open.
+    pub(crate) shows_histogram: bool,
 }
 
 /// Draws all of them but dialogs.
@@ -59,8 +76,18 @@ pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
             .default_size(140.0)
             .show(ui, |ui| status::messages(editor, ui));
     }
+    // It is there before the tape is drawn out: the ground must not move under the hand.
+    if editor.hand() == Hand::Tape || editor.viewport.tape_m.is_some() {
+        Panel::bottom("measurement")
+            .resizable(true)
+            .default_size(170.0)
+            .min_size(120.0)
+            .show(ui, |ui| measurement::show(editor, ui));
+    }
     Panel::left("tools").resizable(true).default_size(270.0).show(ui, |ui| {
         ScrollArea::vertical().id_salt("tools").show(ui, |ui| {
+            hands::show(editor, ui);
+            ui.separator();
             brushes::show(editor, ui);
             ui.separator();
             parameters::show(editor, ui);
@@ -68,10 +95,20 @@ pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
     });
     Panel::right("document").resizable(true).default_size(250.0).show(ui, |ui| {
         ScrollArea::vertical().id_salt("document").show(ui, |ui| {
+            piece::show(editor, ui);
+            if editor.panels.shows_map {
+                map::show(editor, ui);
+                ui.separator();
+            }
+            if editor.panels.shows_histogram {
+                histogram::show(editor, ui);
+                ui.separator();
+            }
             layers::show(editor, ui);
             ui.separator();
             history::show(editor, ui);
             ui.separator();
+            selection::show(editor, ui);
             light::show(editor, ui);
         });
     });

@@ -4,7 +4,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use orogeny_editor::{Command, Preferences};
 
-use crate::support::{Window, curve};
+use crate::support::{Window, curve, make_terrain};
 
 #[test]
 fn a_terrain_is_made_and_opened() {
@@ -53,6 +53,51 @@ fn heights_are_written_and_read() {
     let said: Vec<_> = window.editor().errors().collect();
     assert!(said.is_empty(), "{said:?}");
     assert!(Window::heights(&terrain) == before);
+}
+
+#[test]
+fn sixteen_bits_hold_all_of_the_terrain_s_heights() {
+    let mut window = Window::open();
+    let (terrain, file) = (window.path("t.orogeny"), window.path("out.r16"));
+    window.run(Command::Export);
+    window.frames(3);
+    window.type_into("Path", &file.display().to_string());
+    window.harness.get_by_label("100 % of 16 bits used");
+    window.harness.get_by_label_contains("The first sample is the north-west corner");
+    window.click("Export");
+    window.settle();
+    let told = window.editor().last_message().unwrap().to_owned();
+    let numbers: Vec<f64> = told.split(' ').filter_map(|word| word.parse().ok()).collect();
+    // `sample 0 is LOW m, sample 65,535 is HIGH m`.
+    let (low_m, high_m) = (numbers[1], numbers[2]);
+    let bytes = std::fs::read(&file).unwrap();
+    let heights = Window::heights(&terrain);
+    assert_eq!(bytes.len(), 2 * heights.len());
+    let step_m = (high_m - low_m) / 65_535.0;
+    for (pair, bits) in bytes.chunks_exact(2).zip(heights) {
+        let height_m = low_m + f64::from(u16::from_le_bytes([pair[0], pair[1]])) * step_m;
+        assert!((height_m - f64::from(f32::from_bits(bits))).abs() < step_m + 0.001, "{height_m}");
+    }
+}
+
+#[test]
+fn files_that_are_dropped_are_opened_or_offered() {
+    let mut window = Window::open();
+    let before = Window::heights(&window.path("t.orogeny"));
+    std::fs::write(window.path("h.r16"), vec![9_u8; 2 * 600 * 600]).unwrap();
+    window.drop_file("h.r16");
+    window.frames(3);
+    window.click("Import");
+    window.settle();
+    assert_eq!(window.history(), ["fill noise", "import"]);
+    assert!(Window::heights(&window.path("t.orogeny")) != before);
+    window.drop_file("readme.txt");
+    window.frames(2);
+    assert!(window.editor().errors().last().unwrap().contains("readme.txt"));
+    make_terrain(&window.path("other.orogeny"));
+    window.drop_file("other.orogeny");
+    window.settle();
+    assert_eq!(window.editor().open_file().unwrap().file_name().unwrap(), "other.orogeny");
 }
 
 #[test]

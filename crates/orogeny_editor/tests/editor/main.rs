@@ -8,6 +8,13 @@
 
 mod brushing;
 mod commands;
+mod comparing;
 mod dialogs;
+mod looking;
+mod lost;
 mod panels;
+mod pasting;
+mod presets;
+mod random;
+mod selecting;
 mod support;

@@ -3,10 +3,10 @@
 use egui::Modifiers;
 use egui_kittest::SnapshotOptions;
 use egui_kittest::kittest::Queryable as _;
-use orogeny_editor::Command;
+use orogeny_editor::{Command, Hand};
 use orogeny_engine::{BrushType, Parameter};
 
-use crate::support::{Window, curve};
+use crate::support::{MIDDLE, Window, curve};
 
 #[test]
 fn every_brush_shows_its_parameters() {
@@ -66,4 +66,19 @@ fn panels_look_as_they_did() {
     window.editor().run(Command::ShowTutorial, &ctx);
     window.frames(3);
     window.harness.snapshot_options("first_steps_light", &options);
+    window.editor().run(Command::Cancel, &ctx);
+    window.editor().run(Command::ToggleTheme, &ctx);
+    window.run(Command::ShowMap);
+    window.run(Command::ShowHistogram);
+    window.run(Command::Hand(Hand::Tape));
+    window.draw(&[MIDDLE, MIDDLE + egui::vec2(90.0, -40.0)], Modifiers::NONE);
+    window.frames(3);
+    window.harness.snapshot_options("map_histogram_tape", &options);
+    window.run(Command::ShowMap);
+    window.run(Command::ShowHistogram);
+    window.click("Clear");
+    window.run(Command::Hand(Hand::Brush));
+    window.click("Select");
+    window.frames(20);
+    window.harness.snapshot_options("select", &options);
 }

@@ -1,14 +1,15 @@
 //! An editor in a window that no one sees.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use orogeny_editor::{Editor, EditorOptions, Preferences};
+use orogeny_editor::{Command, Editor, EditorOptions, Preferences};
 use orogeny_engine::{
-    Adapter, ExportSource, Operation, Presets, Quiet, Settings, Terrain, TerrainGrid, drawing_gpu,
+    Adapter, ExportSource, Gpu, Operation, Presets, Quiet, Settings, Terrain, TerrainGrid, drawing_gpu,
 };
 
 const WAIT: Duration = Duration::from_secs(120);
@@ -17,12 +18,28 @@ const WAIT: Duration = Duration::from_secs(120);
 pub const MIDDLE: Pos2 = pos2(500.0, 420.0);
 
 pub struct Window {
+    /// What it draws on.
+    pub gpu: Gpu,
     pub harness: Harness<'static, Editor>,
     pub folder: tempfile::TempDir,
 }
 
 fn settings() -> Settings {
     Settings { adapter: Adapter::Cpu, page_budget_in_bytes: 64 << 20, ..Settings::default() }
+}
+
+/// A file that is dropped on the window.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|err| err.to_string())
+    }
 }
 
 /// A terrain of several pages with some hills.
@@ -66,8 +83,8 @@ impl Window {
                 Ok(bundled.clone())
             }),
         };
-        let gpu = drawing_gpu(&Settings { adapter: Adapter::Software, ..settings() }).unwrap();
-        let editor = Editor::new(options, gpu, || {});
+        let gpu = Self::new_gpu();
+        let editor = Editor::new(options, gpu.clone(), || {});
         let harness = Harness::builder().with_size([1000.0, 760.0]).with_max_steps(64).build_ui_state(
             |ui, editor: &mut Editor| {
                 let start = Instant::now();
@@ -78,9 +95,14 @@ impl Window {
             },
             editor,
         );
-        let mut window = Self { harness, folder };
+        let mut window = Self { gpu, harness, folder };
         window.frames(6);
         window
+    }
+
+    /// A device to draw on.
+    pub fn new_gpu() -> Gpu {
+        drawing_gpu(&Settings { adapter: Adapter::Software, ..settings() }).unwrap()
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -135,6 +157,12 @@ impl Window {
         self.frames(2);
     }
 
+    /// Drops a file of the folder on the window.
+    pub fn drop_file(&mut self, name: &str) {
+        let file = Arc::new(Dropped(self.path(name)));
+        self.harness.input_mut().dropped_files.push(file);
+    }
+
     pub fn click(&mut self, label: &str) {
         self.harness.get_by_label(label).click();
         self.frames(3);
@@ -156,10 +184,23 @@ impl Window {
         heights.into_iter().map(f32::to_bits).collect()
     }
 
+    /// How much of each sample is selected.
+    pub fn selected(path: &Path) -> Vec<f32> {
+        let terrain = Terrain::open_to_read(path, settings()).unwrap();
+        terrain.heights(&ExportSource::Selection, None, 0).unwrap().2
+    }
+
+    /// Gives a command, and waits until what it does is done.
+    pub fn run(&mut self, command: Command) {
+        let ctx = self.harness.ctx.clone();
+        self.editor().run(command, &ctx);
+        self.settle();
+    }
+
     /// Closes the terrain, and gives the folder.
     pub fn close(mut self) -> tempfile::TempDir {
         self.editor().close().unwrap();
-        let Self { harness, folder } = self;
+        let Self { harness, folder, .. } = self;
         drop(harness);
         folder
     }

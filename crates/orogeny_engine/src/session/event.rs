@@ -6,7 +6,7 @@ use orogeny_field::SampleRect;
 use orogeny_geomip::{PagePlace, PageSummary};
 use orogeny_store::EntryId;
 
-use super::Status;
+use super::{Status, Survey};
 use crate::{Applied, Progress};
 
 /// Names something that was asked for; later ones are higher.
@@ -22,6 +22,13 @@ pub enum Event {
         ticket: Ticket,
         /// How far it has come.
         progress: Progress,
+    },
+    /// A survey that was asked for.
+    Surveyed {
+        /// What asked for it.
+        ticket: Ticket,
+        /// The terrain in few heights.
+        survey: Box<Survey>,
     },
     /// Something is done, and on disk.
     Done {

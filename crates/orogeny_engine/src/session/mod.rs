@@ -17,6 +17,7 @@ mod looker;
 mod participant;
 mod serve;
 mod status;
+mod survey;
 mod waiting;
 
 use std::path::Path;
@@ -34,6 +35,7 @@ use cancelling::Cancelling;
 pub use event::{Event, PageData, Ticket};
 pub use participant::Participant;
 pub use status::{HistoryItem, Status};
+pub use survey::Survey;
 
 /// A way through the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,6 +96,10 @@ enum Task {
         author: Option<Arc<str>>,
         request: Box<ImportRequest>,
     },
+    Survey {
+        ticket: Ticket,
+        max_side: u32,
+    },
     Look(Vec<PageRequest>),
     ShowMasks(Vec<String>),
     /// End, once everything before it is done.
@@ -111,6 +117,7 @@ impl Task {
             Self::Points { .. }
             | Self::Lift { .. }
             | Self::Export { .. }
+            | Self::Survey { .. }
             | Self::Look(_)
             | Self::ShowMasks(_)
             | Self::Close => None,
@@ -216,6 +223,12 @@ impl Session {
     #[must_use]
     pub fn export(&self, request: ExportRequest) -> Ticket {
         self.own.give(|ticket, _| Task::Export { ticket, request: Box::new(request) })
+    }
+
+    /// Asks for all of the terrain in few heights, at most so many each way; they come in an [`Event::Surveyed`].
+    #[must_use]
+    pub fn survey(&self, max_side: u32) -> Ticket {
+        self.own.give(|ticket, _| Task::Survey { ticket, max_side })
     }
 
     /// Gives up everything that was asked for so far and is not done. What is running is taken back, bit for bit.

@@ -15,7 +15,7 @@ use super::live_hand::{LiveHand, MAX_WAIT};
 use super::looker::Looker;
 use super::status::KnownHistory;
 use super::waiting::{Drawn, Waiting};
-use super::{Status, Task, Ticket, Travel};
+use super::{Status, Survey, Task, Ticket, Travel};
 use crate::composite::Change;
 use crate::{Applied, BrushOperation, Error, Observer, Operation, Progress, Redone, Result, Terrain};
 
@@ -113,6 +113,13 @@ impl Server {
                     (Ticket(u64::MAX), Err(err))
                 }
             },
+            Task::Survey { ticket, max_side } => {
+                let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
+                match Survey::of(&self.terrain, max_side, watcher) {
+                    Ok(survey) => return self.out.tell(Event::Surveyed { ticket, survey: Box::new(survey) }),
+                    Err(err) => (ticket, Err(err)),
+                }
+            }
             Task::ShowMasks(names) => {
                 self.looker.show_masks(names);
                 return self.out.tell(Event::Changed { rects: None, is_settled: true });

@@ -19,6 +19,8 @@ pub(super) struct Known {
     held: HashMap<PagePlace, Held>,
     /// While a stroke is drawn, pages as they were when it began, of those that changed since; `None`: it was not there.
     before: Option<HashMap<PagePlace, Option<Page>>>,
+    /// What of pages was stale when it began.
+    stale_before: HashMap<PagePlace, SampleRect>,
     /// Pages whose summary, and those of the pages below them, may no longer be true.
     stale_summaries: HashSet<PagePlace>,
 }
@@ -40,6 +42,7 @@ impl Known {
             summaries: HashMap::from([status.root]),
             held: HashMap::new(),
             before: None,
+            stale_before: HashMap::new(),
             stale_summaries: HashSet::new(),
         }
     }
@@ -141,6 +144,10 @@ impl Known {
     /// Whether [`Self::height_at`] goes on telling heights as they are now, whatever arrives: a stroke that is drawn over them then does not depend on
     /// how fast it is seen.
     pub(super) fn hold_still(&mut self, is_still: bool) {
+        if self.before.is_none() && is_still {
+            let stale = self.held.iter().filter(|(_, held)| !held.stale.is_empty());
+            self.stale_before = stale.map(|(place, held)| (*place, held.stale)).collect();
+        }
         self.before = match self.before.take() {
             Some(before) if is_still => Some(before),
             _ => is_still.then(HashMap::new),
@@ -192,12 +199,26 @@ impl Known {
         [bounds.min_m, bounds.max_m]
     }
 
+    /// Whether what a page tells of a place is no longer so.
+    fn is_stale(&self, place: PagePlace, [x, z]: [f64; 2]) -> bool {
+        let stale = match &self.before {
+            Some(_) => self.stale_before.get(&place),
+            None => self.held.get(&place).map(|held| &held.stale),
+        };
+        let (x, z) = (x.floor() as i32, z.floor() as i32);
+        stale.is_some_and(|stale| stale.contains(&SampleRect::new(x, z, x + 1, z + 1)))
+    }
+
     /// The height at a place between samples of a level's page, from that page alone: where it ends, its last samples go on.
-    fn height_in(&self, level: u8, [x, z]: [f64; 2]) -> Option<f32> {
+    /// `None` where it is not there, or is not to be trusted.
+    fn height_in(&self, level: u8, [x, z]: [f64; 2], is_stale_good: bool) -> Option<f32> {
         let size = self.layout.size();
         let column = (x.max(0.0) as u32) / size;
         let row = (z.max(0.0) as u32) / size;
         let place = PagePlace { level, z: row, x: column };
+        if !is_stale_good && self.is_stale(place, [x, z]) {
+            return None;
+        }
         let before = self.before.as_ref().and_then(|before| before.get(&place));
         let page = match before {
             Some(before) => before.as_ref()?,
@@ -220,14 +241,17 @@ impl Known {
         Some(upper + (lower - upper) * down)
     }
 
-    /// The height between samples of full resolution, from the finest page that is there.
+    /// The height between samples of full resolution, from the finest page that is there and true. Pages that are not drawn are not asked
+    /// for again when they become stale: they count where nothing else is there.
     pub(super) fn height_at(&self, [x, z]: [f64; 2]) -> f32 {
         let top = self.layout.top_level(&self.grid);
-        let found = (0..=top).find_map(|level| {
-            let scale = f64::from(1_u32 << level);
-            self.height_in(level, [x / scale, z / scale])
-        });
-        found.unwrap_or(self.unpainted_m)
+        let finest = |is_stale_good| {
+            (0..=top).find_map(|level| {
+                let scale = f64::from(1_u32 << level);
+                self.height_in(level, [x / scale, z / scale], is_stale_good)
+            })
+        };
+        finest(false).or_else(|| finest(true)).unwrap_or(self.unpainted_m)
     }
 }
 

@@ -117,7 +117,7 @@ impl LiveView {
                 let renderer = &self.renderer;
                 self.known.retain(|place| renderer.holds(*place));
             }
-            Event::Progress { .. } | Event::Done { .. } | Event::Failed { .. } => {}
+            Event::Surveyed { .. } | Event::Progress { .. } | Event::Done { .. } | Event::Failed { .. } => {}
         }
         Ok(())
     }

@@ -125,7 +125,7 @@ impl Onlooker {
                 Event::Failed { ticket, message, is_cancelled, .. } => {
                     self.failed.push((*ticket, message.clone(), *is_cancelled));
                 }
-                Event::Progress { .. } => {}
+                Event::Progress { .. } | Event::Surveyed { .. } => {}
             }
         }
         if let Some(known) = self.known.as_mut().filter(|_| !self.is_awaiting) {
@@ -327,4 +327,24 @@ fn masks_come_with_pages_and_follow_the_brush() {
         masks[100 * 256 + 120]
     );
     onlooker.check("with masks");
+}
+
+#[test]
+fn heights_are_told_from_the_finest_page_that_is_still_true() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut onlooker = Onlooker::new(terrain_at(&folder.path().join("t.orogeny")));
+    let known = onlooker.known.as_mut().unwrap();
+    let place = [311.0, 257.0];
+    let fine_m = known.height_at(place);
+    known.note_changed(None, true);
+    assert_eq!(known.height_at(place), fine_m, "until anything else is there");
+    // The stroke that began meanwhile goes on over the same ground.
+    known.hold_still(true);
+    let coarse = known.take_stale(|place| place.level > 0);
+    assert!(!coarse.is_empty());
+    assert_eq!(known.height_at(place), fine_m);
+    known.hold_still(false);
+    // Only coarse pages were asked for again: the fine ones are of a ground that is no more.
+    let coarse_m = known.height_at(place);
+    assert!(coarse_m != fine_m && (coarse_m - fine_m).abs() < 5.0, "{coarse_m} {fine_m}");
 }
