@@ -30,5 +30,6 @@ mod presets;
 mod program;
 mod round_trip;
 mod selecting;
+mod serve;
 mod sparse;
 mod travel;

@@ -186,7 +186,6 @@ impl Session {
     }
 
     /// As [`Participant::begin_stroke`].
-    #[must_use]
     pub fn begin_stroke(&self, operation: BrushOperation) -> Ticket {
         self.own.begin_stroke(operation)
     }
@@ -202,31 +201,26 @@ impl Session {
     }
 
     /// As [`Participant::apply`].
-    #[must_use]
     pub fn apply(&self, operations: Vec<Operation>) -> Ticket {
         self.own.apply(operations)
     }
 
     /// As [`Participant::travel`].
-    #[must_use]
     pub fn travel(&self, travel: Travel) -> Ticket {
         self.own.travel(travel)
     }
 
     /// As [`Participant::import`].
-    #[must_use]
     pub fn import(&self, request: ImportRequest) -> Ticket {
         self.own.import(request)
     }
 
     /// Writes a file for another program.
-    #[must_use]
     pub fn export(&self, request: ExportRequest) -> Ticket {
         self.own.give(|ticket, _| Task::Export { ticket, request: Box::new(request) })
     }
 
     /// Asks for all of the terrain in few heights, at most so many each way; they come in an [`Event::Surveyed`].
-    #[must_use]
     pub fn survey(&self, max_side: u32) -> Ticket {
         self.own.give(|ticket, _| Task::Survey { ticket, max_side })
     }

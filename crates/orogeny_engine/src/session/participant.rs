@@ -34,7 +34,6 @@ impl Participant {
 
     /// Begins a stroke; of the operation, which has to be a stroke, the points are those that are given [afterwards](Self::push_points).
     /// While another one is drawn, it waits, and its points are kept.
-    #[must_use]
     pub fn begin_stroke(&self, operation: BrushOperation) -> Ticket {
         let operation = Box::new(operation);
         self.give(|ticket, author| Task::Stroke { ticket, author, operation })
@@ -51,20 +50,17 @@ impl Participant {
     }
 
     /// Runs operations in one transaction.
-    #[must_use]
     pub fn apply(&self, operations: Vec<Operation>) -> Ticket {
         self.give(|ticket, author| Task::Apply { ticket, author, operations })
     }
 
     /// Reads heights of another program's file onto a layer.
-    #[must_use]
     pub fn import(&self, request: ImportRequest) -> Ticket {
         let request = Box::new(request);
         self.give(|ticket, author| Task::Import { ticket, author, request })
     }
 
     /// Goes back or forth in the history.
-    #[must_use]
     pub fn travel(&self, travel: Travel) -> Ticket {
         self.give(|ticket, author| Task::Travel { ticket, author, travel })
     }
