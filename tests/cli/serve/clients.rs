@@ -21,7 +21,10 @@ fn root() -> PathBuf {
 fn python(test: &str, module: &str) -> Option<PathBuf> {
     let python = std::env::var_os(PYTHON).map(PathBuf::from);
     let has_module = |python: &Path| {
-        Command::new(python).args(["-c", &format!("import {module}")]).output().is_ok_and(|out| out.status.success())
+        Command::new(python)
+            .args(["-c", &format!("import {module}")])
+            .output()
+            .is_ok_and(|out| out.status.success())
     };
     let found = python.filter(|python| has_module(python));
     if found.is_none() {
@@ -39,14 +42,18 @@ fn serve(size: &str) -> (Folder, Serving) {
 
 fn run(command: &mut Command) -> String {
     let output = command.output().unwrap();
-    let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let said =
+        format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{command:?} ended with {}:\n{said}", output.status);
     said
 }
 
 #[test]
 fn the_python_client_and_its_example_work_against_it() {
-    let Some(python) = python("serve::python", "pytest, httpx, websockets, numpy, hypothesis, aiohttp") else { return };
+    let Some(python) = python("serve::python", "pytest, httpx, websockets, numpy, hypothesis, aiohttp")
+    else {
+        return;
+    };
     let (folder, serving) = serve("1024x1024");
     let tests = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:unraisableexception"];
     let said = run(Command::new(&python)
@@ -56,7 +63,8 @@ fn the_python_client_and_its_example_work_against_it() {
         .env("HYPOTHESIS_STORAGE_DIRECTORY", folder.path("hypothesis"))
         .env("OROGENY_SERVICE_URL", serving.url()));
     let last = said.lines().rev().find(|line| line.contains("passed")).unwrap_or_default();
-    let num_passed = last.split(" passed").next().and_then(|start| start.rsplit(' ').next()?.parse::<u32>().ok());
+    let num_passed =
+        last.split(" passed").next().and_then(|start| start.rsplit(' ').next()?.parse::<u32>().ok());
     assert!(num_passed.is_some_and(|passed| passed > 70), "{said}");
     let before = folder.succeed("log t.orogeny")["entries"].as_array().unwrap().len();
     let said = run(Command::new(&python)
@@ -115,7 +123,10 @@ fn every_call_answers_as_its_description_says_whatever_is_asked() {
     let said = run(Command::new(&python)
         .args(["-m", "schemathesis.cli", "run", &format!("{}/openapi.json", serving.url())])
         .args(["--max-examples", num_examples, "--seed", "7", "--exclude-path", "/v1/terrains/{name}/live"])
-        .args(["--checks", "not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance"])
+        .args([
+            "--checks",
+            "not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance",
+        ])
         .args(["--request-timeout", "60", "--generation-database", "none", "--no-color"])
         .current_dir(folder.path("")));
     println!("{said}");

@@ -33,8 +33,10 @@ fn what_was_acknowledged_survives_a_kill_at_any_moment() {
                         let seed = (round * 4 + painter) * 100_000 + stroke;
                         let at = [50 + (seed * 37) % 500, 50 + (seed * 91) % 500];
                         let brush = json!({ "type": "roughen", "radius": 40, "strength": 2 });
-                        let operation = json!({ "op": "stroke", "seed": seed, "brush": brush, "points": [at] });
-                        let body = json!({ "operations": [operation], "author": format!("painter {painter}") });
+                        let operation =
+                            json!({ "op": "stroke", "seed": seed, "brush": brush, "points": [at] });
+                        let body =
+                            json!({ "operations": [operation], "author": format!("painter {painter}") });
                         if post(&address, "/v1/terrains/t/operations", &body).is_some() {
                             acknowledged.lock().unwrap().insert(seed);
                         }

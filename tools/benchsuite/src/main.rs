@@ -20,6 +20,7 @@ mod opencv;
 mod raise;
 mod render;
 mod report;
+mod serve;
 mod smooth;
 mod stores;
 mod terrain;
@@ -29,8 +30,9 @@ use anyhow::{Context as _, bail};
 use crate::report::Report;
 
 /// What can be measured.
-const WHAT: [&str; 10] =
-    ["raise", "noise", "smooth", "clone", "erode", "codecs", "stores", "terrain", "layers", "render"];
+const WHAT: [&str; 11] = [
+    "raise", "noise", "smooth", "clone", "erode", "codecs", "stores", "terrain", "layers", "render", "serve",
+];
 
 struct Arguments {
     what: Vec<String>,
@@ -53,6 +55,7 @@ fn main() -> anyhow::Result<()> {
             "terrain" => terrain::run(&mut report, arguments.repeat)?,
             "layers" => layers::run(&mut report, arguments.repeat)?,
             "render" => render::run(&mut report, arguments.repeat)?,
+            "serve" => serve::run(&mut report, arguments.repeat)?,
             other => bail!("there is no benchmark `{other}`; there are {}", WHAT.join(", ")),
         }
     }

@@ -41,6 +41,14 @@ impl Times {
         self.spread_s().median
     }
 
+    /// The time under which this share of all lies.
+    pub fn percentile_s(&self, share: f64) -> f64 {
+        let mut seconds = self.seconds.clone();
+        seconds.sort_by(f64::total_cmp);
+        let at = (seconds.len().saturating_sub(1) as f64 * share).round() as usize;
+        seconds.get(at).copied().unwrap_or(f64::NAN)
+    }
+
     /// The middle one, the fastest and the slowest.
     pub fn spread_s(&self) -> Spread {
         Spread::of(self.seconds.clone())

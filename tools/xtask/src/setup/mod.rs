@@ -9,6 +9,8 @@ mod components;
 #[cfg(target_os = "linux")]
 mod linux;
 #[cfg(target_os = "linux")]
+mod python;
+#[cfg(target_os = "linux")]
 mod test_tools;
 
 use std::process::ExitCode;
@@ -32,6 +34,7 @@ pub enum Need {
 pub fn run() -> anyhow::Result<ExitCode> {
     graphics(Need::Required)?;
     test_tools();
+    python(false);
     for name in ["rustfmt", "clippy"] {
         component(name)?;
     }
@@ -71,6 +74,19 @@ pub fn graphics(_need: Need) -> anyhow::Result<()> {
 #[cfg(target_os = "linux")]
 pub fn test_tools() {
     test_tools::test_tools();
+}
+
+/// Sees to a Python in which the service's clients and their tests run, and gives it; for long tests, with Blender as a module. Without it those
+/// tests skip themselves: that is told and no failure.
+#[cfg(target_os = "linux")]
+pub fn python(is_long: bool) -> Option<std::path::PathBuf> {
+    python::python(is_long)
+}
+
+/// Tests that need other programs run on Linux only.
+#[cfg(not(target_os = "linux"))]
+pub const fn python(_is_long: bool) -> Option<std::path::PathBuf> {
+    None
 }
 
 /// Tests that need other programs run on Linux only.

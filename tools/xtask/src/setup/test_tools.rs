@@ -1,5 +1,5 @@
 //! Programs that some tests work by: strace, with which the storage tests cause faults at single system calls; a screen that no one sees,
-//! and hands for its mouse and keys, for the editor.
+//! and hands for its mouse and keys, for the editor; a browser for the page of the service.
 
 use std::process::Command;
 
@@ -13,10 +13,11 @@ struct Tool {
     package: &'static str,
 }
 
-const TOOLS: [Tool; 3] = [
+const TOOLS: [Tool; 4] = [
     Tool { program: "strace", asked_by: "--version", package: "strace" },
     Tool { program: "Xvfb", asked_by: "-help", package: "xvfb" },
     Tool { program: "xdotool", asked_by: "--version", package: "xdotool" },
+    Tool { program: "chromium", asked_by: "--version", package: "chromium" },
 ];
 
 /// See [`super::test_tools()`].

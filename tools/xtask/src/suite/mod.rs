@@ -6,6 +6,7 @@
 //! | --- | --- |
 //! | `OROGENY_SKIP_LOG` | a file; a test that must skip appends one line, `NAME: REASON`, and returns |
 //! | `OROGENY_TEST_LONG` | set to 1 by `--long`: the long tests run too |
+//! | `OROGENY_TEST_PYTHON` | a Python with what the service's clients work by; not set where there is none |
 //! | `OROGENY_DATA` | the user's: a folder of real terrains; without it their tests skip |
 //! | `XDG_RUNTIME_DIR` | a private folder; without one, some drivers complain in every test |
 //!
@@ -45,9 +46,11 @@ pub struct Options {
 ///
 /// Something the tests need is missing and cannot be installed, or cargo cannot be started.
 pub fn run(options: &Options) -> anyhow::Result<ExitCode> {
+    let mut python = None;
     if !options.quick {
         setup::graphics(Need::Required)?;
         setup::test_tools();
+        python = setup::python(options.long);
     }
     if std::env::var_os("OROGENY_DATA").is_none() {
         println!(
@@ -59,6 +62,7 @@ pub fn run(options: &Options) -> anyhow::Result<ExitCode> {
         runtime_dir: private_runtime_folder()?,
         skip_log: scratch.join(format!("skips-{}.log", std::process::id())),
         long: options.long,
+        python,
     };
     std::fs::write(&environment.skip_log, "")
         .with_context(|| format!("cannot write {}", environment.skip_log.display()))?;
@@ -124,6 +128,7 @@ struct Environment {
     runtime_dir: PathBuf,
     skip_log: PathBuf,
     long: bool,
+    python: Option<PathBuf>,
 }
 
 impl Environment {
@@ -131,6 +136,9 @@ impl Environment {
         command.env("XDG_RUNTIME_DIR", &self.runtime_dir).env("OROGENY_SKIP_LOG", &self.skip_log);
         if self.long {
             command.env("OROGENY_TEST_LONG", "1");
+        }
+        if let Some(python) = &self.python {
+            command.env("OROGENY_TEST_PYTHON", python);
         }
         command
     }
