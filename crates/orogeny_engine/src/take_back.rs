@@ -37,11 +37,12 @@ impl Terrain {
     /// [`Error::CannotTakeBack`] where it does not show, where more than 256 operations or 16,384 pages of them would have to be done
     /// again, or where one of them cannot be without it; [`Error::Store`]; [`Error::Cancelled`]. The terrain is then as it was.
     pub fn take_back(&mut self, entry: EntryId, observer: &mut dyn Observer) -> Result<Redone> {
-        let log = self.log()?;
+        let log = self.settled()?.log_from(entry)?;
         let refused = |detail: String| Error::CannotTakeBack { entry: entry.0, detail };
         let applied: Vec<&Entry> = log.iter().filter(|entry| entry.state == EntryState::Applied).collect();
-        let place = applied.iter().position(|applied| applied.id == entry);
-        let Some([taken, later @ ..]) = place.and_then(|place| applied.get(place..)) else {
+        let ([taken, later @ ..], true) =
+            (applied.as_slice(), applied.first().is_some_and(|first| first.id == entry))
+        else {
             return Err(refused("it is none of those that show".to_owned()));
         };
         if later.is_empty() {
@@ -107,8 +108,8 @@ impl Terrain {
             for (entry, recorded) in again {
                 let fail = |err: Error| match (err, taken) {
                     (Error::Cancelled, _) => Error::Cancelled,
-                    // A lost device is another one's to deal with.
-                    (err, _) if err.gpu().is_some() => err,
+                    // The machine's faults are not the operations'.
+                    (err, _) if err.is_fault() => err,
                     (err, Some(taken)) => in_the_way(taken.id, entry, &err.to_string()),
                     (err, None) => Error::CannotReplay { entry: entry.id.0, detail: err.to_string() },
                 };

@@ -233,3 +233,60 @@ fn ends_until_now(session: &Session) -> Vec<Ticket> {
     });
     ended.collect()
 }
+
+#[test]
+fn what_comes_while_a_stroke_is_given_up_is_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = Session::of(create(&folder.path().join("t.orogeny")), || {}).unwrap();
+    let [ann, bob] = ["ann", "bob"].map(|name| session.participant(name));
+    for round in 0..20_u64 {
+        // It waits for all of its points.
+        let held = ann.begin_stroke(stroke(r#""clone", "radius": 50, "source": {"at": [300, 300]}"#, "[]"));
+        ann.push_points(held, at(100.0, 100.0));
+        std::thread::sleep(Duration::from_millis(round % 7));
+        ann.cancel(held);
+        let other = bob.apply(vec![Operation::Brush(raise("[[300, 300]]"))]);
+        assert!(matches!(end_of(&session, other), End::Done { .. }), "round {round}");
+    }
+    session.close().unwrap();
+    // What is asked for afterwards is not done, and no one waits for it.
+    let _ = bob.apply(vec![Operation::Brush(raise("[[300, 300]]"))]);
+    session.close().unwrap();
+}
+
+#[test]
+fn two_of_one_name_wait_for_each_other_no_longer_than_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = Session::of(create(&folder.path().join("t.orogeny")), || {}).unwrap();
+    let [first, second] = ["someone", "someone"].map(|name| session.participant(name));
+    let held = first.begin_stroke(raise("[]"));
+    first.push_points(held, at(100.0, 100.0));
+    let other = second.apply(vec![Operation::Brush(raise("[[300, 300]]"))]);
+    let ends = ends_until(&session, other);
+    assert!(
+        matches!(&ends[..], [(ticket, End::Done { cut_after: Some(1), .. }), _] if *ticket == held),
+        "{ends:?}"
+    );
+}
+
+#[test]
+fn redo_goes_on_when_someone_else_did_again_what_was_taken_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = Session::of(create(&folder.path().join("t.orogeny")), || {}).unwrap();
+    let [ann, bob] = ["ann", "bob"].map(|name| session.participant(name));
+    for points in ["[[100, 100]]", "[[200, 200]]"] {
+        end_of(&session, ann.apply(vec![Operation::Brush(raise(points))]));
+    }
+    let go = |by: &orogeny_engine::session::Participant, travel| end_of(&session, by.travel(travel));
+    go(&ann, Travel::UndoOwn);
+    go(&ann, Travel::UndoOwn);
+    go(&bob, Travel::Redo(1));
+    assert_eq!(go(&ann, Travel::RedoOwn), done([2]), "the first shows already");
+    assert_eq!(go(&ann, Travel::RedoOwn), done([]));
+    // What was refused leaves what was taken back.
+    go(&ann, Travel::UndoOwn);
+    let refused =
+        ann.apply(vec![Operation::from_json_text(r#"{"op": "remove_layer", "layer": "None"}"#).unwrap()]);
+    assert_eq!(end_of(&session, refused), End::Failed { is_cancelled: false });
+    assert_eq!(go(&ann, Travel::RedoOwn), done([2]));
+}

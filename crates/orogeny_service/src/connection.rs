@@ -52,7 +52,7 @@ impl Connection {
             Message::EndStroke { id } => {
                 self.with_task(id, |client, task| {
                     client.participant.lift(task.ticket);
-                    task.num_points = None;
+                    task.is_open = false;
                 });
                 Ok(())
             }
@@ -108,7 +108,11 @@ impl Connection {
         else {
             return Err(not_understood("the operation of a stroke is a `stroke`".to_owned()));
         };
-        self.give(id, what, Some(early.len()), move |client| {
+        let num_points = early.len();
+        if num_points > self.shared.limits.points_per_client {
+            return Err(too_many_points(self.shared.limits.points_per_client));
+        }
+        self.give(id, what, Some(num_points), move |client| {
             let ticket = client.participant.begin_stroke(stroke);
             if !early.is_empty() {
                 client.participant.push_points(ticket, early);
@@ -118,20 +122,19 @@ impl Connection {
     }
 
     fn push_points(&self, id: u64, points: Vec<PointerSample>) -> Result<(), Refusal> {
-        let limit = self.shared.limits.points_per_stroke;
-        let pushed = self.with_task(id, |client, task| {
-            let num_points = task.num_points.as_mut()?;
-            *num_points += points.len();
-            if *num_points > limit {
-                client.participant.cancel(task.ticket);
-                let message =
-                    format!("the stroke has more than {limit} points, and was taken back: end it earlier");
-                return Some(Err(Refusal::new("too_many_points", message).with_limit(limit as u64)));
+        let limit = self.shared.limits.points_per_client;
+        let pushed = self.with_client(|_, client| {
+            // Points of a stroke that has ended, as by others' waiting, are late and harm nothing.
+            let task = client.tasks.get_mut(&id).filter(|task| task.is_open)?;
+            task.num_points += points.len();
+            let ticket = task.ticket;
+            if client.tasks.values().map(|task| task.num_points).sum::<usize>() > limit {
+                client.participant.cancel(ticket);
+                return Some(Err(too_many_points(limit)));
             }
-            client.participant.push_points(task.ticket, points);
+            client.participant.push_points(ticket, points);
             Some(Ok(()))
         });
-        // Points of a stroke that has ended, as by others' waiting, are late and harm nothing.
         pushed.flatten().unwrap_or(Ok(()))
     }
 
@@ -154,6 +157,7 @@ impl Connection {
     ) -> Result<(), Refusal> {
         let limits = &self.shared.limits;
         let mut hub = self.room.hub();
+        self.room.check_room(&hub)?;
         let Some(client) = hub.clients.get_mut(&self.id) else { return Ok(()) };
         if !Hub::has_room(client, limits) {
             let limit = limits.tasks_per_client;
@@ -166,7 +170,9 @@ impl Connection {
             return Err(Refusal::new("id_in_use", message));
         }
         let ticket = give(client);
-        client.tasks.insert(id, Task { ticket, num_points });
+        client
+            .tasks
+            .insert(id, Task { ticket, num_points: num_points.unwrap_or(0), is_open: num_points.is_some() });
         let author = Arc::clone(&client.author);
         hub.note(ticket, Asker::Client { client: self.id, id }, author, what);
         Ok(())
@@ -176,8 +182,12 @@ impl Connection {
         {
             let mut hub = self.room.hub();
             let Some(status) = hub.status.clone() else { return Ok(()) };
-            let subscription = Subscription::new(wish, &status, self.shared.limits.pages_per_subscription)?;
+            let mut subscription =
+                Subscription::new(wish, &status, self.shared.limits.pages_per_subscription)?;
             if let Some(client) = hub.clients.get_mut(&self.id) {
+                if let Some(before) = client.subscription.take() {
+                    subscription.take_over(before);
+                }
                 client.subscription = Some(subscription);
             }
         }
@@ -206,4 +216,11 @@ impl Connection {
         })
         .flatten()
     }
+}
+
+fn too_many_points(limit: usize) -> Refusal {
+    let message = format!(
+        "your strokes that are not done have more than {limit} points, and the last one was taken back: end them earlier"
+    );
+    Refusal::new("too_many_points", message).with_limit(limit as u64)
 }

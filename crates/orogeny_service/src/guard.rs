@@ -6,7 +6,7 @@ use std::time::Duration;
 use axum::body::{Body, to_bytes};
 use axum::extract::{Request, State};
 use axum::http::header::{AUTHORIZATION, CONTENT_LENGTH, HOST, ORIGIN, SEC_WEBSOCKET_PROTOCOL};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 
@@ -53,14 +53,16 @@ fn check(shared: &Shared, request: &Request) -> Result<(), Failure> {
         let message = "a token in an address ends up in logs: send it as `Authorization: Bearer TOKEN`";
         return Err(Refusal::new("token_in_address", message.to_owned()).with(StatusCode::BAD_REQUEST));
     }
-    let path = uri.path();
-    let is_open = OPEN_PATHS.contains(&path) || path.starts_with(OPEN_PREFIX);
-    if is_open || given_token(headers).is_some_and(|given| token.is(given)) {
+    if is_open(uri.path()) || given_token(headers).is_some_and(|given| token.is(given)) {
         return Ok(());
     }
     let message =
         "a token is needed, as `Authorization: Bearer TOKEN`, and it was not given or is another one";
     Err(Refusal::new("token", message.to_owned()).with(StatusCode::UNAUTHORIZED))
+}
+
+fn is_open(path: &str) -> bool {
+    OPEN_PATHS.contains(&path) || path.starts_with(OPEN_PREFIX)
 }
 
 fn is_token_name(name: &str) -> bool {
@@ -107,7 +109,9 @@ fn is_this_machine(host: &str) -> bool {
 
 /// Reads the body, in a bounded time and up to a bounded length.
 async fn read_body(shared: &Shared, request: Request) -> Result<Request, Failure> {
-    let limit = shared.limits.body_in_bytes;
+    // Whoever only reads, or gives no token, has little to say.
+    let is_small = request.method() == Method::GET || is_open(request.uri().path());
+    let limit = if is_small { MAX_DRAINED_BYTES } else { shared.limits.body_in_bytes };
     let too_long = || {
         let message = format!("the body is longer than {limit} bytes: send less at a time");
         Refusal::new("body_too_long", message).with_limit(limit as u64).with(StatusCode::PAYLOAD_TOO_LARGE)

@@ -14,7 +14,7 @@ use crate::limits::Limits;
 use crate::message::{self, RectM};
 use crate::metrics::Metrics;
 use crate::outbox::{Latest, Outbox};
-use crate::reply::{self, Failure};
+use crate::reply::{self, Failure, Refusal};
 use crate::subscription::Subscription;
 
 /// The most pages that are asked for at once, so that what changes meanwhile comes soon after.
@@ -40,8 +40,10 @@ pub(crate) struct Client {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Task {
     pub(crate) ticket: Ticket,
-    /// Points so far, of a stroke whose hand is not lifted.
-    pub(crate) num_points: Option<usize>,
+    /// Points so far, of a stroke.
+    pub(crate) num_points: usize,
+    /// Whether it is a stroke whose hand is not lifted.
+    pub(crate) is_open: bool,
 }
 
 /// What was done, for a request.
@@ -82,6 +84,7 @@ pub(crate) struct Hub {
     changed: Option<SampleRect>,
     /// Pages that were asked for together, the longest ago first.
     looks: VecDeque<Vec<PagePlace>>,
+    is_closing: bool,
     metrics: Arc<Metrics>,
 }
 
@@ -96,6 +99,7 @@ impl Hub {
             status_text: String::new(),
             changed: Some(SampleRect::EMPTY),
             looks: VecDeque::new(),
+            is_closing: false,
             metrics,
         }
     }
@@ -122,16 +126,30 @@ impl Hub {
             num_frames: 0,
             num_acknowledged: 0,
         };
+        if self.is_closing {
+            say_closing(&client);
+        }
         self.clients.insert(id, client);
         self.metrics.clients.inc();
         self.tell_clients();
         id
     }
 
+    /// Tells everyone that it ends.
+    pub(crate) fn close(&mut self) {
+        self.is_closing = true;
+        self.clients.values().for_each(say_closing);
+    }
+
+    /// How much was asked for and is not done.
+    pub(crate) fn num_asked(&self) -> usize {
+        self.asked.len()
+    }
+
     /// Lets a client go. Strokes that it did not end are taken back; what else it asked for is done.
     pub(crate) fn leave(&mut self, id: ClientId) {
         let Some(client) = self.clients.remove(&id) else { return };
-        for task in client.tasks.values().filter(|task| task.num_points.is_some()) {
+        for task in client.tasks.values().filter(|task| task.is_open) {
             client.participant.cancel(task.ticket);
         }
         self.metrics.clients.dec();
@@ -198,8 +216,8 @@ impl Hub {
     }
 
     fn end(&mut self, ticket: Ticket, result: Result<(Vec<u32>, serde_json::Value, Option<usize>), Failure>) {
-        let changed = self.changed.replace(SampleRect::EMPTY);
         let Some(Asked { asker, author, what }) = self.asked.remove(&ticket) else { return };
+        let changed = self.changed.replace(SampleRect::EMPTY);
         let rect_m = changed.map(|rect| self.rect_m(rect));
         let is_change = changed.is_none_or(|rect| !rect.is_empty());
         if let Ok((entries, ..)) = &result {
@@ -282,8 +300,13 @@ impl Hub {
             let page = pages.iter().find(|page| page.place == place);
             for client in self.clients.values_mut() {
                 let Some(subscription) = &mut client.subscription else { continue };
-                // A page that could not be read is not sent; why was told to whoever asked first.
-                let (true, Some(page)) = (subscription.arrive(place), page) else { continue };
+                if !subscription.arrive(place) {
+                    continue;
+                }
+                let Some(page) = page else {
+                    client.outbox.text(message::error(None, &unreadable(place)));
+                    continue;
+                };
                 let frame = made.entry((place, subscription.format)).or_insert_with(|| {
                     let header = FrameHeader {
                         level: place.level,
@@ -327,4 +350,18 @@ impl Hub {
     pub(crate) fn has_room(client: &Client, limits: &Limits) -> bool {
         client.tasks.len() < limits.tasks_per_client
     }
+}
+
+fn say_closing(client: &Client) {
+    client.outbox.text(message::closing());
+    client.outbox.close(1001, "the service stops");
+}
+
+/// The page cannot be read, which its file's damage or a machine's fault may be the reason for.
+fn unreadable(place: PagePlace) -> Refusal {
+    let PagePlace { level, z, x } = place;
+    let message = format!(
+        "page ({x}, {z}) of level {level} could not be read: the service's log tells why; it comes when it changes"
+    );
+    Refusal::new("page", message)
 }

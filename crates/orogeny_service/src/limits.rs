@@ -19,8 +19,10 @@ pub struct Limits {
     pub send: Duration,
     /// Things that a client asked for and that are not done.
     pub tasks_per_client: usize,
-    /// Points of a stroke.
-    pub points_per_stroke: usize,
+    /// Things that all clients of a terrain asked for and that are not done.
+    pub tasks_per_terrain: usize,
+    /// Points of strokes of a client that are not done.
+    pub points_per_client: usize,
     /// Pages that a client looks at.
     pub pages_per_subscription: u64,
     /// Page frames under way to a client without being acknowledged.
@@ -43,7 +45,8 @@ impl Default for Limits {
             body: Duration::from_secs(60),
             send: Duration::from_secs(30),
             tasks_per_client: 64,
-            points_per_stroke: 1 << 20,
+            tasks_per_terrain: 1024,
+            points_per_client: 1 << 20,
             pages_per_subscription: 4096,
             window: 64,
             messages_waiting: 1024,

@@ -19,6 +19,9 @@ use crate::service::Shared;
 #[derive(Debug, Clone)]
 pub(crate) struct Place(#[expect(dead_code, reason = "it is there to be dropped")] Arc<OwnedSemaphorePermit>);
 
+/// After how long in silence it is looked whether the other side is still there.
+const KEEPALIVE: Duration = Duration::from_secs(30);
+
 /// How long requests that are being answered may take once the service stops.
 const GRACE: Duration = Duration::from_secs(10);
 
@@ -56,6 +59,7 @@ pub(crate) async fn listen(
         });
         // Small messages are not to wait for more.
         stream.set_nodelay(true).ok();
+        bound_silence(&stream, shared.limits.send);
         let connection = hyper::server::conn::http1::Builder::new()
             .timer(TokioTimer::new())
             .header_read_timeout(shared.limits.head)
@@ -84,6 +88,21 @@ pub(crate) async fn listen(
     // All places are free once all have been answered.
     let all = u32::try_from(shared.limits.connections).unwrap_or(u32::MAX);
     tokio::time::timeout(GRACE, room.acquire_many(all)).await.ok();
+}
+
+/// Ends connections whose other side takes nothing for so long, or is gone without having said so.
+fn bound_silence(stream: &TcpStream, send: Duration) {
+    let socket = socket2::SockRef::from(stream);
+    let keepalive = socket2::TcpKeepalive::new().with_time(KEEPALIVE).with_interval(KEEPALIVE / 4);
+    if let Err(err) = socket.set_tcp_keepalive(&keepalive) {
+        tracing::debug!("no keepalive: {err}");
+    }
+    #[cfg(target_os = "linux")]
+    if let Err(err) = socket.set_tcp_user_timeout(Some(send)) {
+        tracing::debug!("no limit for sending: {err}");
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = send;
 }
 
 /// Answers whoever there is no room for, without reading what they want.

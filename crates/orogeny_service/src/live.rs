@@ -1,6 +1,7 @@
 //! The live channel: a WebSocket whose messages go to the room, and to which the room's answers come.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::Extension;
 use axum::extract::State;
@@ -17,6 +18,9 @@ use crate::listen::Place;
 use crate::outbox::{Outbox, Outgoing};
 use crate::reply::{Failure, Refusal};
 use crate::service::Shared;
+
+/// How long the last words may take.
+const FAREWELL: Duration = Duration::from_secs(1);
 
 /// Bytes that may lie between a message and the system, beyond one message.
 const MAX_WRITE_BUFFER_BYTES: usize = 4 << 20;
@@ -47,7 +51,7 @@ pub(crate) async fn open(
             return Err(Refusal::new("not_a_websocket", message).with(StatusCode::UPGRADE_REQUIRED));
         }
     };
-    let (limit, status) = (shared.limits.message_in_bytes, room.status().await);
+    let (limit, status) = (shared.limits.message_in_bytes, room.status().await?);
     let upgrade = upgrade
         .protocols([PROTOCOL])
         .max_message_size(limit)
@@ -74,14 +78,22 @@ pub(crate) async fn open(
 async fn converse(socket: WebSocket, connection: &Connection, outbox: &Outbox, shared: &Shared) {
     let (mut to, mut from) = socket.split();
     let hear = async {
-        while let Some(Ok(message)) = from.next().await {
+        loop {
+            let message = match from.next().await {
+                Some(Ok(message)) => message,
+                Some(Err(err)) => {
+                    tracing::debug!("a message could not be read: {err}");
+                    return Some((1002, "a message could not be read, or is too long"));
+                }
+                None => return None,
+            };
             match message {
                 Socket::Text(text) => connection.hear(&text),
                 Socket::Binary(_) => {
                     let message = "a client sends text, with JSON".to_owned();
                     connection.refuse(None, &Refusal::new("not_understood", message));
                 }
-                Socket::Close(_) => break,
+                Socket::Close(_) => return None,
                 // Answered by the library.
                 Socket::Ping(_) | Socket::Pong(_) => {}
             }
@@ -103,8 +115,16 @@ async fn converse(socket: WebSocket, connection: &Connection, outbox: &Outbox, s
             }
         }
     };
-    tokio::select! {
-        () = hear => {}
-        () = speak => {}
-    }
+    let reason = tokio::select! {
+        reason = hear => reason,
+        () = speak => None,
+    };
+    let farewell = async {
+        if let Some((code, reason)) = reason {
+            to.send(Socket::Close(Some(CloseFrame { code, reason: reason.into() }))).await?;
+        }
+        // The answer to a farewell is on its way.
+        to.flush().await
+    };
+    tokio::time::timeout(FAREWELL, farewell).await.ok();
 }

@@ -51,7 +51,9 @@ impl Outbox {
     pub(crate) fn text(&self, text: String) {
         let max_texts = self.max_texts;
         self.change(|content| {
-            if content.texts.len() < max_texts {
+            if content.close.is_some() {
+                // Nothing comes after the end.
+            } else if content.texts.len() < max_texts {
                 content.texts.push_back(text);
             } else {
                 content.close.get_or_insert((1013, "too many messages wait: read them faster"));
@@ -61,7 +63,11 @@ impl Outbox {
 
     /// A message that takes the place of the one before it.
     pub(crate) fn latest(&self, of: Latest, text: String) {
-        self.change(|content| _ = content.latest.insert(of, text));
+        self.change(|content| {
+            if content.close.is_none() {
+                content.latest.insert(of, text);
+            }
+        });
     }
 
     /// No more is told of that.

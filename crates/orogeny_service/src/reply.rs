@@ -5,6 +5,9 @@ use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
 
+/// The longest text of a refusal.
+const MAX_MESSAGE_BYTES: usize = 1000;
+
 /// Why something is not done: what it is called, what it means and, where there is one, the limit. Nothing was changed.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Refusal {
@@ -14,7 +17,12 @@ pub(crate) struct Refusal {
 }
 
 impl Refusal {
-    pub(crate) const fn new(code: &'static str, message: String) -> Self {
+    pub(crate) fn new(code: &'static str, mut message: String) -> Self {
+        // What was sent may stand in it.
+        if message.len() > MAX_MESSAGE_BYTES {
+            message.truncate(message.floor_char_boundary(MAX_MESSAGE_BYTES));
+            message.push('…');
+        }
         Self { code, message, limit: None }
     }
 

@@ -2,16 +2,20 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
+use axum::http::StatusCode;
 use orogeny_engine::session::{Participant, Session, Status, Ticket};
 use orogeny_engine::{Settings, Terrain};
 use tokio::sync::{Notify, oneshot};
 
 use crate::hub::{Asker, Hub, Outcome};
-use crate::message;
 use crate::metrics::Metrics;
-use crate::reply::{self, Failure};
+use crate::reply::{self, Failure, Refusal};
 use crate::{Error, Result};
+
+/// How long a terrain may take to tell what it is.
+const MAX_START: Duration = Duration::from_secs(10);
 
 /// A terrain that is served.
 #[derive(Debug)]
@@ -20,6 +24,8 @@ pub(crate) struct Room {
     path: PathBuf,
     settings: Settings,
     session: Session,
+    /// How many things may be asked for and not be done.
+    max_tasks: usize,
     hub: Mutex<Hub>,
     has_events: Arc<Notify>,
 }
@@ -29,7 +35,12 @@ impl Room {
     ///
     /// # Errors
     /// [`Error::Name`], [`Error::Terrain`].
-    pub(crate) fn open(path: &Path, settings: Settings, metrics: Arc<Metrics>) -> Result<Self> {
+    pub(crate) fn open(
+        path: &Path,
+        settings: Settings,
+        max_tasks: usize,
+        metrics: Arc<Metrics>,
+    ) -> Result<Self> {
         let name = path.file_stem().and_then(|name| name.to_str()).unwrap_or_default().to_owned();
         let is_usable = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ');
         if name.is_empty() || !name.chars().all(is_usable) {
@@ -40,7 +51,7 @@ impl Room {
         let session = Session::open(path, settings.clone(), move || wake.notify_one())
             .map_err(|source| Error::Terrain { path: path.to_owned(), source: Box::new(source) })?;
         let hub = Mutex::new(Hub::new(metrics));
-        Ok(Self { name, path: path.to_owned(), settings, session, hub, has_events })
+        Ok(Self { name, path: path.to_owned(), settings, session, max_tasks, hub, has_events })
     }
 
     pub(crate) fn hub(&self) -> MutexGuard<'_, Hub> {
@@ -73,13 +84,32 @@ impl Room {
     }
 
     /// Layers and more. The session tells them first of all, so they are waited for only by those who come with the start.
-    pub(crate) async fn status(&self) -> Arc<Status> {
-        loop {
+    ///
+    /// # Errors
+    /// When the terrain cannot tell what it is.
+    pub(crate) async fn status(&self) -> Result<Arc<Status>, Failure> {
+        let start = Instant::now();
+        while start.elapsed() < MAX_START {
             if let Some(status) = &self.hub().status {
-                return Arc::clone(status);
+                return Ok(Arc::clone(status));
             }
-            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+            tokio::time::sleep(Duration::from_millis(5)).await;
         }
+        let message = format!("`{}` cannot be read: `orogeny check` tells what is wrong with it", self.name);
+        Err(reply::failure(message, false, true))
+    }
+
+    /// Refuses more than may wait.
+    ///
+    /// # Errors
+    /// `too_many_tasks`.
+    pub(crate) fn check_room(&self, hub: &Hub) -> Result<(), Refusal> {
+        let limit = self.max_tasks;
+        if hub.num_asked() < limit {
+            return Ok(());
+        }
+        let message = format!("{limit} things that clients asked for are not done yet: try again later");
+        Err(Refusal::new("too_many_tasks", message).with_limit(limit as u64))
     }
 
     /// Asks for something and waits until it is done.
@@ -96,6 +126,7 @@ impl Room {
         {
             // Together, so that the end does not come before it is known who waits for it.
             let mut hub = self.hub();
+            self.check_room(&hub).map_err(|refusal| refusal.with(StatusCode::TOO_MANY_REQUESTS))?;
             let ticket = ask(&self.participant(author));
             hub.note(ticket, Asker::Request(reply), author.into(), what);
         }
@@ -114,17 +145,15 @@ impl Room {
 
     /// Tells everyone that it ends.
     pub(crate) fn say_closing(&self) {
-        let hub = self.hub();
-        hub.tell(&message::closing());
-        hub.clients.values().for_each(|client| client.outbox.close(1001, "the service stops"));
+        self.hub().close();
     }
 
-    /// Does what was asked for, takes back no stroke that has begun, and closes the terrain.
+    /// Does what was asked for, and closes the terrain.
     ///
     /// # Errors
     /// [`Error::Terrain`].
-    pub(crate) fn close(self) -> Result<()> {
-        let path = self.path;
-        self.session.close().map_err(|source| Error::Terrain { path, source: Box::new(source) })
+    pub(crate) fn close(&self) -> Result<()> {
+        let closed = self.session.close();
+        closed.map_err(|source| Error::Terrain { path: self.path.clone(), source: Box::new(source) })
     }
 }

@@ -49,7 +49,7 @@ pub(crate) struct Shared {
     pub(crate) presets: Presets,
     pub(crate) metrics: Arc<Metrics>,
     /// Room for those who read heights.
-    pub(crate) readers: Semaphore,
+    pub(crate) readers: Arc<Semaphore>,
 }
 
 /// A service that runs, on threads of its own. Dropping it stops it.
@@ -75,7 +75,7 @@ impl Running {
         let metrics = Arc::new(Metrics::new());
         let mut rooms = BTreeMap::new();
         for path in terrains {
-            let room = Room::open(&path, settings.clone(), Arc::clone(&metrics))?;
+            let room = Room::open(&path, settings.clone(), limits.tasks_per_terrain, Arc::clone(&metrics))?;
             let name = room.name.clone();
             if rooms.insert(name.clone(), Arc::new(room)).is_some() {
                 return Err(Error::SameName { name });
@@ -89,7 +89,7 @@ impl Running {
         listener.set_nonblocking(true).map_err(cannot_listen)?;
         let address = listener.local_addr().map_err(cannot_listen)?;
         let names = rooms.keys().cloned().collect();
-        let readers = Semaphore::new(limits.readers);
+        let readers = Arc::new(Semaphore::new(limits.readers));
         let shared = Arc::new(Shared { rooms, token, files, limits, presets, metrics, readers });
         let runtime = Runtime::new().map_err(|source| Error::Runtime { source })?;
         let (stop, stopping) = watch::channel(false);
@@ -99,17 +99,8 @@ impl Running {
         };
         for room in shared.rooms.values() {
             let room = Arc::clone(room);
-            let mut stopped = stopping.clone();
-            // It goes on until the last client has been told.
-            runtime.spawn(async move {
-                tokio::select! {
-                    () = room.pump() => {}
-                    () = async {
-                        drop(stopped.wait_for(|is_stopping| *is_stopping).await);
-                        tokio::time::sleep(FAREWELL).await;
-                    } => {}
-                }
-            });
+            // It goes on until the last answer has been given, when the runtime ends.
+            runtime.spawn(async move { room.pump().await });
         }
         let router = http::router(Arc::clone(&shared));
         let serving = runtime.spawn(listen::listen(listener, router, Arc::clone(&shared), stopping));
@@ -145,14 +136,11 @@ impl Running {
             self.stop.send(true).ok();
             serving.await.ok();
         });
-        // Whoever is still reading is waited for no longer.
+        // Whoever is still reading ends by itself, and holds up nothing.
         runtime.shutdown_timeout(Duration::from_secs(5));
-        let mut result = Ok(());
-        let rooms = Arc::into_inner(shared).map(|shared| shared.rooms).unwrap_or_default();
-        for room in rooms.into_values().filter_map(Arc::into_inner) {
-            result = result.and(room.close());
-        }
-        result
+        // All of them, whether one fails or not.
+        let closed: Vec<_> = shared.rooms.values().map(|room| room.close()).collect();
+        closed.into_iter().collect()
     }
 }
 

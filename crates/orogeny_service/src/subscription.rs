@@ -82,6 +82,11 @@ impl Subscription {
         Ok(subscription)
     }
 
+    /// Takes the place of another one, whose pages may still be on their way.
+    pub(crate) fn take_over(&mut self, before: Self) {
+        self.asked_for = before.asked_for;
+    }
+
     /// Everything changed.
     pub(crate) fn change_all(&mut self) {
         self.change_pages(self.pages);
@@ -138,7 +143,10 @@ impl Subscription {
 
     /// A page has come, as it is after all changes that were told: whether it is to be sent.
     pub(crate) fn arrive(&mut self, place: PagePlace) -> bool {
-        if !self.asked_for.remove(&place) {
+        let [[z0, x0], [z1, x1]] = self.pages;
+        let is_within =
+            place.level == self.level && (z0..z1).contains(&place.z) && (x0..x1).contains(&place.x);
+        if !self.asked_for.remove(&place) || !is_within {
             return false;
         }
         if self.queued.remove(&place) {

@@ -107,7 +107,8 @@ fn paint_until(is_over: &AtomicBool, address: SocketAddr, number: u64) -> Result
 /// Where a stroke's points lie: within the pages that are looked at, over their borders.
 fn place(stroke: u64, point: u32) -> [f64; 2] {
     let start = [200 + (stroke * 131) % 400, 200 + (stroke * 71) % 500];
-    [start[0] as f64 + 12.0 * f64::from(point), start[1] as f64 + 5.0 * f64::from(point)]
+    // Further apart than the brush's instances, so that every point is seen.
+    [start[0] as f64 + 20.0 * f64::from(point), start[1] as f64 + 12.0 * f64::from(point)]
 }
 
 struct Client {
@@ -205,7 +206,7 @@ impl Client {
         self.say(&json!({ "type": "end_stroke", "id": id }))?;
         let end =
             self.until(|event| event["id"] == id && (event["event"] == "done" || event["event"] == "error"))?;
-        ensure!(end["event"] == "done", "{end}");
+        ensure!(end.get("event").is_some_and(|event| event == "done"), "{end}");
         Ok(())
     }
 

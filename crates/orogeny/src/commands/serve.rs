@@ -1,5 +1,6 @@
 //! `serve`: terrains for other programs, over HTTP.
 
+use std::env::VarError;
 use std::fmt;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -54,7 +55,8 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
             Some(Token::new(&text)?)
         }
         (None, Ok(text)) => Some(Token::new(&text)?),
-        (None, Err(_)) => None,
+        (None, Err(VarError::NotPresent)) => None,
+        (None, Err(err)) => anyhow::bail!("{TOKEN_VARIABLE} cannot be used: {err}"),
     };
     let limits = Limits {
         connections: arguments.max_connections.max(1),

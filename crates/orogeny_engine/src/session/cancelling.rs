@@ -10,6 +10,8 @@ use super::Ticket;
 #[derive(Debug, Default)]
 pub(super) struct Cancelling {
     last_ticket: AtomicU64,
+    /// The last number of a participant.
+    last_number: AtomicU64,
     /// All tickets up to this one.
     all_up_to: AtomicU64,
     /// Further ones, until they are done.
@@ -19,6 +21,10 @@ pub(super) struct Cancelling {
 impl Cancelling {
     pub(super) fn next_ticket(&self) -> Ticket {
         Ticket(self.last_ticket.fetch_add(1, Ordering::SeqCst) + 1)
+    }
+
+    pub(super) fn next_number(&self) -> u64 {
+        self.last_number.fetch_add(1, Ordering::SeqCst) + 1
     }
 
     pub(super) fn cancel(&self, ticket: Ticket) {
@@ -33,9 +39,9 @@ impl Cancelling {
         ticket.0 <= self.all_up_to.load(Ordering::SeqCst) || self.with_some(|some| some.contains(&ticket))
     }
 
-    /// It is done, or never will be: no one asks for it any more, nor for those before it, since tasks are done in order.
+    /// It is done, or never will be: no one asks for it any more.
     pub(super) fn forget(&self, ticket: Ticket) {
-        self.with_some(|some| some.retain(|other| *other > ticket));
+        self.with_some(|some| some.remove(&ticket));
     }
 
     fn with_some<T>(&self, work: impl FnOnce(&mut BTreeSet<Ticket>) -> T) -> T {

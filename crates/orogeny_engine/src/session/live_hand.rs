@@ -8,8 +8,9 @@ use orogeny_field::{PageLayout, PointerSample, SampleRect, TerrainGrid};
 use super::cancelling::Cancelling;
 use super::event::{Event, Out};
 use super::looker::Looker;
+use super::participant::By;
 use super::waiting::Waiting;
-use super::{Task, Ticket};
+use super::{PageData, Task, Ticket};
 use crate::composite::Change;
 use crate::hand::{Hand, SoFar};
 use crate::{Error, Result};
@@ -22,7 +23,7 @@ pub(super) const MAX_WAIT: Duration = Duration::from_secs(2);
 /// Points of one stroke out of the tasks of a session.
 pub(super) struct LiveHand<'a> {
     pub(super) ticket: Ticket,
-    pub(super) author: Option<&'a str>,
+    pub(super) by: &'a By,
     pub(super) since: Instant,
     pub(super) grid: TerrainGrid,
     pub(super) layout: PageLayout,
@@ -56,7 +57,7 @@ impl Hand for LiveHand<'_> {
             if self.cancelling.is_cancelled(self.ticket) {
                 return Err(Error::Cancelled);
             }
-            if self.since.elapsed() >= MAX_WAIT && self.waiting.is_waited_for(self.author, MAX_WAIT) {
+            if self.since.elapsed() >= MAX_WAIT && self.waiting.is_waited_for(self.by, MAX_WAIT) {
                 (self.is_lifted, self.is_cut) = (true, true);
                 break;
             }
@@ -80,9 +81,14 @@ impl Hand for LiveHand<'_> {
                 Task::Points { stroke, points: new } if stroke == self.ticket => points.extend(new),
                 Task::Lift { stroke } if stroke == self.ticket => self.is_lifted = true,
                 Task::Look(requests) => {
-                    so_far.executor.save(so_far.pages)?;
-                    let pages = self.looker.pages_in(&self.grid, so_far.pages.recording(), &requests)?;
-                    self.out.tell(Event::Pages(pages));
+                    let saved = so_far.executor.save(so_far.pages);
+                    // Every look is answered, and none ends the stroke.
+                    let pages = match &saved {
+                        Ok(()) => self.looker.pages_in(&self.grid, so_far.pages.recording(), &requests),
+                        Err(_) => Ok(Vec::new()),
+                    };
+                    self.out.tell(Event::Pages(or_none(pages)));
+                    saved?;
                 }
                 // The window is gone: what was drawn so far stays.
                 task @ Task::Close => {
@@ -102,6 +108,14 @@ impl Hand for LiveHand<'_> {
     fn begin_again(&mut self) {
         self.is_lost = true;
     }
+}
+
+/// Pages that were looked at, none where they could not be read.
+pub(super) fn or_none(pages: Result<Vec<PageData>>) -> Vec<PageData> {
+    pages.unwrap_or_else(|err| {
+        tracing::warn!("pages could not be looked at: {err}");
+        Vec::new()
+    })
 }
 
 impl LiveHand<'_> {

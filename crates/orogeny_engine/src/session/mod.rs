@@ -31,6 +31,7 @@ use orogeny_store::EntryId;
 
 use crate::{BrushOperation, Error, ExportRequest, ImportRequest, Operation, Result, Settings, Terrain};
 use cancelling::Cancelling;
+use participant::By;
 
 pub use event::{Event, PageData, Ticket};
 pub use participant::Participant;
@@ -61,13 +62,13 @@ pub struct PageRequest {
     pub rect: Option<SampleRect>,
 }
 
-/// What the thread is asked to do; by whom, where it is not the terrain's own author.
+/// What the thread is asked to do, and by whom.
 #[derive(Debug)]
 enum Task {
     /// Draw a stroke, whose points follow.
     Stroke {
         ticket: Ticket,
-        author: Option<Arc<str>>,
+        by: By,
         operation: Box<BrushOperation>,
     },
     Points {
@@ -79,12 +80,12 @@ enum Task {
     },
     Apply {
         ticket: Ticket,
-        author: Option<Arc<str>>,
+        by: By,
         operations: Vec<Operation>,
     },
     Travel {
         ticket: Ticket,
-        author: Option<Arc<str>>,
+        by: By,
         travel: Travel,
     },
     Export {
@@ -93,7 +94,7 @@ enum Task {
     },
     Import {
         ticket: Ticket,
-        author: Option<Arc<str>>,
+        by: By,
         request: Box<ImportRequest>,
     },
     Survey {
@@ -107,13 +108,13 @@ enum Task {
 }
 
 impl Task {
-    /// Who asked for it, where that is not the terrain's own author.
-    fn author(&self) -> Option<&str> {
+    /// Who asked for it, of what changes the terrain.
+    const fn by(&self) -> Option<&By> {
         match self {
-            Self::Stroke { author, .. }
-            | Self::Apply { author, .. }
-            | Self::Travel { author, .. }
-            | Self::Import { author, .. } => author.as_deref(),
+            Self::Stroke { by, .. }
+            | Self::Apply { by, .. }
+            | Self::Travel { by, .. }
+            | Self::Import { by, .. } => Some(by),
             Self::Points { .. }
             | Self::Lift { .. }
             | Self::Export { .. }
@@ -123,11 +124,6 @@ impl Task {
             | Self::Close => None,
         }
     }
-
-    /// Whether it may change the terrain.
-    const fn is_change(&self) -> bool {
-        matches!(self, Self::Stroke { .. } | Self::Apply { .. } | Self::Travel { .. } | Self::Import { .. })
-    }
 }
 
 /// A terrain that is worked on by a thread of its own. Dropping it ends what is running and closes the terrain.
@@ -136,7 +132,7 @@ pub struct Session {
     own: Participant,
     events: Mutex<Receiver<Event>>,
     /// `None` once it is closed.
-    thread: Option<JoinHandle<Result<()>>>,
+    thread: Mutex<Option<JoinHandle<Result<()>>>>,
     cancelling: Arc<Cancelling>,
 }
 
@@ -169,8 +165,8 @@ impl Session {
             .name("orogeny.session".to_owned())
             .spawn(move || serve::serve(terrain, received, out, noted))
             .map_err(|err| Error::Thread { detail: err.to_string() })?;
-        let own = Participant::new(tasks, Arc::clone(&cancelling), None);
-        Ok(Self { own, events: Mutex::new(events), thread: Some(thread), cancelling })
+        let own = Participant::new(tasks, Arc::clone(&cancelling));
+        Ok(Self { own, events: Mutex::new(events), thread: Mutex::new(Some(thread)), cancelling })
     }
 
     /// What happened since this was last asked, oldest first.
@@ -240,16 +236,13 @@ impl Session {
         self.own.send(Task::ShowMasks(names));
     }
 
-    /// Waits until all tasks are done, and closes the terrain.
+    /// Waits until all tasks are done, and closes the terrain. What is asked for afterwards is not done.
     ///
     /// # Errors
     /// As [`Terrain::close`].
-    pub fn close(mut self) -> Result<()> {
-        self.end()
-    }
-
-    fn end(&mut self) -> Result<()> {
-        let Some(thread) = self.thread.take() else { return Ok(()) };
+    pub fn close(&self) -> Result<()> {
+        let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let Some(thread) = thread else { return Ok(()) };
         self.own.send(Task::Close);
         thread.join().unwrap_or_else(|_| Err(Error::Thread { detail: "it panicked".to_owned() }))
     }
@@ -259,6 +252,6 @@ impl Drop for Session {
     fn drop(&mut self) {
         self.cancel_all();
         // Whoever wants to hear whether it was closed well, closes it.
-        self.end().ok();
+        self.close().ok();
     }
 }

@@ -15,28 +15,43 @@ use crate::{BrushOperation, ImportRequest, Operation};
 pub struct Participant {
     tasks: Sender<Task>,
     cancelling: Arc<Cancelling>,
+    by: By,
+}
+
+/// Who asks for something.
+#[derive(Debug, Clone)]
+pub(super) struct By {
+    /// Tells participants of one name apart.
+    number: u64,
     /// Recorded with what is done; `None`: as the terrain's settings say.
     author: Option<Arc<str>>,
 }
 
+impl By {
+    pub(super) fn author(&self) -> Option<&str> {
+        self.author.as_deref()
+    }
+
+    pub(super) const fn is(&self, other: &Self) -> bool {
+        self.number == other.number
+    }
+}
+
 impl Participant {
-    pub(super) const fn new(
-        tasks: Sender<Task>,
-        cancelling: Arc<Cancelling>,
-        author: Option<Arc<str>>,
-    ) -> Self {
-        Self { tasks, cancelling, author }
+    pub(super) const fn new(tasks: Sender<Task>, cancelling: Arc<Cancelling>) -> Self {
+        Self { tasks, cancelling, by: By { number: 0, author: None } }
     }
 
     pub(super) fn by(&self, author: &str) -> Self {
-        Self { author: Some(author.into()), ..self.clone() }
+        let by = By { number: self.cancelling.next_number(), author: Some(author.into()) };
+        Self { by, ..self.clone() }
     }
 
     /// Begins a stroke; of the operation, which has to be a stroke, the points are those that are given [afterwards](Self::push_points).
     /// While another one is drawn, it waits, and its points are kept.
     pub fn begin_stroke(&self, operation: BrushOperation) -> Ticket {
         let operation = Box::new(operation);
-        self.give(|ticket, author| Task::Stroke { ticket, author, operation })
+        self.give(|ticket, by| Task::Stroke { ticket, by, operation })
     }
 
     /// More points of a stroke.
@@ -51,18 +66,18 @@ impl Participant {
 
     /// Runs operations in one transaction.
     pub fn apply(&self, operations: Vec<Operation>) -> Ticket {
-        self.give(|ticket, author| Task::Apply { ticket, author, operations })
+        self.give(|ticket, by| Task::Apply { ticket, by, operations })
     }
 
     /// Reads heights of another program's file onto a layer.
     pub fn import(&self, request: ImportRequest) -> Ticket {
         let request = Box::new(request);
-        self.give(|ticket, author| Task::Import { ticket, author, request })
+        self.give(|ticket, by| Task::Import { ticket, by, request })
     }
 
     /// Goes back or forth in the history.
     pub fn travel(&self, travel: Travel) -> Ticket {
-        self.give(|ticket, author| Task::Travel { ticket, author, travel })
+        self.give(|ticket, by| Task::Travel { ticket, by, travel })
     }
 
     /// Gives up one thing that was asked for, if it is not done yet. What is running is taken back, bit for bit.
@@ -70,9 +85,9 @@ impl Participant {
         self.cancelling.cancel(ticket);
     }
 
-    pub(super) fn give(&self, task: impl FnOnce(Ticket, Option<Arc<str>>) -> Task) -> Ticket {
+    pub(super) fn give(&self, task: impl FnOnce(Ticket, By) -> Task) -> Ticket {
         let ticket = self.cancelling.next_ticket();
-        self.send(task(ticket, self.author.clone()));
+        self.send(task(ticket, self.by.clone()));
         ticket
     }
 

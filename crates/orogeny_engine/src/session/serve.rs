@@ -7,12 +7,13 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use orogeny_field::BrushType;
-use orogeny_store::{EntryId, EntryState, Store};
+use orogeny_store::{EntryId, Store};
 
 use super::cancelling::Cancelling;
 use super::event::{Event, Out};
-use super::live_hand::{LiveHand, MAX_WAIT};
+use super::live_hand::{LiveHand, MAX_WAIT, or_none};
 use super::looker::Looker;
+use super::participant::By;
 use super::status::KnownHistory;
 use super::waiting::{Drawn, Waiting};
 use super::{Status, Survey, Task, Ticket, Travel};
@@ -99,11 +100,9 @@ impl Server {
     }
 
     fn run(&mut self, task: Task) {
-        let author = task.author().unwrap_or(&self.own_author).to_owned();
-        if task.is_change() && !matches!(task, Task::Travel { .. }) {
-            self.taken_back.remove(&author);
-        }
-        self.terrain.set_author(author);
+        let author = task.by().and_then(By::author).unwrap_or(&self.own_author).to_owned();
+        let is_new = task.by().is_some() && !matches!(task, Task::Travel { .. });
+        self.terrain.set_author(author.clone());
         let (ticket, result) = match task {
             Task::Look(requests) => match self.looker.pages(&self.terrain, &requests) {
                 Ok(pages) => return self.out.tell(Event::Pages(pages)),
@@ -126,9 +125,9 @@ impl Server {
             }
             // Of a stroke that has failed, or ended.
             Task::Points { .. } | Task::Lift { .. } | Task::Close => return,
-            Task::Stroke { ticket, operation, author } => {
+            Task::Stroke { ticket, operation, by } => {
                 let drawn = self.waiting.take_stroke(ticket);
-                (ticket, self.draw(ticket, author.as_deref(), *operation, drawn))
+                (ticket, self.draw(ticket, &by, *operation, drawn))
             }
             Task::Apply { ticket, operations, .. } => (ticket, self.apply(ticket, &operations)),
             Task::Travel { ticket, travel, .. } => (ticket, self.travel(ticket, travel)),
@@ -139,9 +138,11 @@ impl Server {
             Task::Import { ticket, request, .. } => {
                 let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
                 let imported = self.terrain.import(&request, watcher);
-                match imported.as_ref().ok().and_then(|summary| self.terrain.changed_by(summary)) {
-                    Some(change) => self.fields_changed(&[change]),
-                    None => self.everything_changed(),
+                if let Ok(summary) = &imported {
+                    match self.terrain.changed_by(summary) {
+                        Some(change) => self.fields_changed(&[change]),
+                        None => self.everything_changed(),
+                    }
                 }
                 let outcome = |summary: crate::ImportSummary| Outcome {
                     entries: vec![summary.entry],
@@ -151,6 +152,10 @@ impl Server {
             }
         };
         self.cancelling.forget(ticket);
+        // What was taken back is left behind by what is done anew.
+        if is_new && result.as_ref().is_ok_and(|outcome| !outcome.entries.is_empty()) {
+            self.taken_back.remove(&author);
+        }
         // Whoever hears that it is done knows what it has led to.
         self.tell_status();
         match result {
@@ -200,10 +205,7 @@ impl Server {
 
     fn undo_own(&mut self, ticket: Ticket) -> Result<Outcome> {
         let author = self.terrain.settings().author.clone();
-        let log = self.terrain.log()?;
-        let mut own = log.iter().rev();
-        let last = own.find(|entry| entry.state == EntryState::Applied && entry.author == author);
-        let Some(last) = last.map(|entry| entry.id) else { return Ok(Outcome::default()) };
+        let Some(last) = self.history.last_of(&author) else { return Ok(Outcome::default()) };
         let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
         let redone = self.terrain.take_back(last, watcher)?;
         self.taken_back.entry(author).or_default().push(last);
@@ -212,15 +214,12 @@ impl Server {
 
     fn redo_own(&mut self, ticket: Ticket) -> Result<Outcome> {
         let author = self.terrain.settings().author.clone();
-        let taken_back = self.taken_back.get(&author).and_then(|taken| taken.last().copied());
-        let entry = match taken_back {
-            Some(entry) => entry,
-            // From before the session.
-            None => match self.terrain.log()?.iter().find(|entry| entry.state == EntryState::Undone) {
-                Some(entry) if entry.author == author => entry.id,
-                _ => return Ok(Outcome::default()),
-            },
-        };
+        let taken = self.taken_back.entry(author.clone()).or_default();
+        // Someone may have gone to where it shows again.
+        while taken.pop_if(|entry| self.history.shows(*entry)).is_some() {}
+        // One from before the session is what anyone's redo comes to.
+        let entry = taken.last().copied().or_else(|| self.history.next_of(&author));
+        let Some(entry) = entry else { return Ok(Outcome::default()) };
         let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
         let redone = self.terrain.do_again(entry, watcher)?;
         if let Some(taken) = self.taken_back.get_mut(&author) {
@@ -241,7 +240,7 @@ impl Server {
     fn draw(
         &mut self,
         ticket: Ticket,
-        author: Option<&str>,
+        by: &By,
         mut operation: BrushOperation,
         drawn: Drawn,
     ) -> Result<Outcome> {
@@ -250,7 +249,7 @@ impl Server {
         }
         if operation.brush().brush_type == BrushType::Clone {
             // What it copies from has to be known first, which all of its points tell.
-            let Some(drawn) = self.all_points(ticket, author, drawn)? else { return Err(Error::Cancelled) };
+            let Some(drawn) = self.all_points(ticket, by, drawn) else { return Err(Error::Cancelled) };
             let cut_after = drawn.is_cut.then_some(drawn.points.len());
             operation.set_points(drawn.points);
             let outcome = self.apply(ticket, &[Operation::Brush(operation)])?;
@@ -259,7 +258,7 @@ impl Server {
         let (grid, layout) = (self.terrain.grid(), self.terrain.store()?.layout());
         let mut hand = LiveHand {
             ticket,
-            author,
+            by,
             since: Instant::now(),
             grid,
             layout,
@@ -298,20 +297,17 @@ impl Server {
     }
 
     /// The points of a stroke up to its end; `None` where it is given up. Who looks meanwhile sees the terrain without it.
-    fn all_points(
-        &mut self,
-        ticket: Ticket,
-        author: Option<&str>,
-        mut drawn: Drawn,
-    ) -> Result<Option<Drawn>> {
+    fn all_points(&mut self, ticket: Ticket, by: &By, mut drawn: Drawn) -> Option<Drawn> {
         let since = Instant::now();
         while !drawn.is_lifted {
-            if since.elapsed() >= MAX_WAIT && self.waiting.is_waited_for(author, MAX_WAIT) {
+            if self.cancelling.is_cancelled(ticket) {
+                return None;
+            }
+            if since.elapsed() >= MAX_WAIT && self.waiting.is_waited_for(by, MAX_WAIT) {
                 drawn.is_cut = true;
                 break;
             }
             match self.tasks.recv_timeout(TELL_EVERY) {
-                _ if self.cancelling.is_cancelled(ticket) => return Ok(None),
                 Ok(Task::Points { stroke, points }) if stroke == ticket => drawn.points.extend(points),
                 Ok(Task::Lift { stroke }) if stroke == ticket => drawn.is_lifted = true,
                 Err(RecvTimeoutError::Disconnected) => drawn.is_lifted = true,
@@ -320,14 +316,14 @@ impl Server {
                     self.waiting.push(task);
                 }
                 Ok(Task::Look(requests)) => {
-                    let pages = self.looker.pages(&self.terrain, &requests)?;
-                    self.out.tell(Event::Pages(pages));
+                    let pages = self.looker.pages(&self.terrain, &requests);
+                    self.out.tell(Event::Pages(or_none(pages)));
                 }
                 Ok(task) => self.waiting.push(task),
                 Err(RecvTimeoutError::Timeout) => {}
             }
         }
-        Ok(Some(drawn))
+        Some(drawn)
     }
 
     fn fields_changed(&mut self, changes: &[Change]) {

@@ -55,6 +55,23 @@ pub struct HistoryItem {
 pub(super) struct KnownHistory(BTreeMap<EntryId, HistoryItem>);
 
 impl KnownHistory {
+    /// The last entry of an author that shows.
+    pub(super) fn last_of(&self, author: &str) -> Option<EntryId> {
+        let mut own = self.0.values().rev();
+        let last = own.find(|item| item.state == EntryState::Applied && item.author == author);
+        last.map(|item| item.id)
+    }
+
+    /// The entry that redo comes to, if it is of that author.
+    pub(super) fn next_of(&self, author: &str) -> Option<EntryId> {
+        let next = self.0.values().find(|item| item.state == EntryState::Undone);
+        next.filter(|item| item.author == author).map(|item| item.id)
+    }
+
+    pub(super) fn shows(&self, entry: EntryId) -> bool {
+        self.0.get(&entry).is_some_and(|item| item.state == EntryState::Applied)
+    }
+
     /// The history as it is now.
     fn refresh(&mut self, terrain: &Terrain) -> Result<Vec<HistoryItem>> {
         let store = terrain.settled()?;

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use orogeny_field::PointerSample;
 
+use super::participant::By;
 use super::{Task, Ticket};
 
 /// Tasks for later, in the order in which they came.
@@ -58,9 +59,9 @@ impl Waiting {
         self.strokes.remove(&ticket).unwrap_or_default()
     }
 
-    /// Whether someone else than this author has waited for so long to change the terrain.
-    pub(super) fn is_waited_for(&self, author: Option<&str>, limit: Duration) -> bool {
-        let is_other = |task: &Task| task.is_change() && task.author() != author;
+    /// Whether someone else has waited for so long to change the terrain.
+    pub(super) fn is_waited_for(&self, by: &By, limit: Duration) -> bool {
+        let is_other = |task: &Task| task.by().is_some_and(|other| !other.is(by));
         self.tasks.iter().any(|(since, task)| is_other(task) && since.elapsed() >= limit)
     }
 }

@@ -1,6 +1,7 @@
 //! Reading and writing heights, as files of other programs hold them.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use axum::Json;
 use axum::body::Bytes;
@@ -82,7 +83,7 @@ pub(super) async fn read(
     Named(room): Named,
     Asked(asked): Asked<Read>,
 ) -> Result<(HeaderMap, Vec<u8>), Failure> {
-    let status = room.status().await;
+    let status = room.status().await?;
     let (grid, top) = (status.grid, status.root.0.level);
     if asked.level > top {
         return Err(bad_request(
@@ -122,10 +123,14 @@ pub(super) async fn read(
     };
     let range_m = range(asked.format, asked.low, asked.high, Some(usual_range))?;
     // Each reader has the terrain open for itself, so that none of them waits for a stroke, nor a stroke for them.
-    let _place = shared.readers.acquire().await.map_err(|err| failure(err.to_string(), false, true))?;
+    let readers = Arc::clone(&shared.readers);
+    let place = readers.acquire_owned().await.map_err(|err| failure(err.to_string(), false, true))?;
     let coding = asked.format;
-    let read =
-        tokio::task::spawn_blocking(move || export(&room, coding, source, region_m, asked.level, range_m));
+    let read = tokio::task::spawn_blocking(move || {
+        // Whoever asked may hang up; the place is taken for as long as it is worked on.
+        let _place = place;
+        export(&room, coding, source, region_m, asked.level, range_m)
+    });
     let (summary, bytes) = read.await.map_err(|err| failure(err.to_string(), false, true))??;
     let mut headers = HeaderMap::new();
     headers.insert(CONTENT_TYPE, HeaderValue::from_static(coding.media_type()));
@@ -244,7 +249,7 @@ pub(super) async fn write(
         };
         request.options.size = Some((width, depth));
     }
-    request.options.spacing_m = Some(room.status().await.grid.spacing_m());
+    request.options.spacing_m = Some(room.status().await?.grid.spacing_m());
     (request.layer, request.at_m) = (asked.layer, [asked.x, asked.z]);
     let path = file.clone();
     let written = tokio::task::spawn_blocking(move || std::fs::write(&path, &body));

@@ -76,7 +76,7 @@ pub(super) async fn list(Named(room): Named, Asked(which): Asked<Which>) -> Resu
     if !(1..=MAX_ENTRIES).contains(&limit) {
         return Err(bad_request("limit", format!("`limit` is {limit}, it may be 1 to {MAX_ENTRIES}")));
     }
-    let status = room.status().await;
+    let status = room.status().await?;
     let asked_for =
         status.history.iter().rev().filter(|item| which.before.is_none_or(|before| item.id.0 < before));
     let entries: Vec<_> = asked_for

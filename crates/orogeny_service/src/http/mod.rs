@@ -9,7 +9,7 @@ mod terrains;
 use std::sync::Arc;
 
 use axum::Router;
-use axum::extract::{FromRequestParts, Path, Query, State};
+use axum::extract::{DefaultBodyLimit, FromRequestParts, Path, Query, State};
 use axum::http::StatusCode;
 use axum::http::request::Parts;
 use axum::middleware;
@@ -53,6 +53,8 @@ pub(crate) fn router(shared: Arc<Shared>) -> Router {
             let message = "this address takes other methods: /openapi.json lists them".to_owned();
             Refusal::new("method", message).with(StatusCode::METHOD_NOT_ALLOWED)
         })
+        // The guard has read the body, up to a limit of its own.
+        .layer(DefaultBodyLimit::disable())
         .layer(middleware::from_fn_with_state(Arc::clone(&shared), guard))
         .with_state(shared)
 }

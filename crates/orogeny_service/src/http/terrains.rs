@@ -5,20 +5,21 @@ use axum::extract::State;
 use serde_json::{Value, json};
 
 use super::{Named, Service};
+use crate::reply::Failure;
 use crate::room::Room;
 
-pub(super) async fn list(State(shared): Service) -> Json<Value> {
+pub(super) async fn list(State(shared): Service) -> Result<Json<Value>, Failure> {
     let mut terrains = Vec::with_capacity(shared.rooms.len());
     for room in shared.rooms.values() {
-        terrains.push(summary(room).await);
+        terrains.push(summary(room).await?);
     }
-    Json(json!({ "terrains": terrains }))
+    Ok(Json(json!({ "terrains": terrains })))
 }
 
-async fn summary(room: &Room) -> Value {
-    let status = room.status().await;
+async fn summary(room: &Room) -> Result<Value, Failure> {
+    let status = room.status().await?;
     let hub = room.hub();
-    json!({
+    Ok(json!({
         "name": room.name,
         "width": status.grid.width(),
         "depth": status.grid.depth(),
@@ -27,12 +28,12 @@ async fn summary(room: &Room) -> Value {
         "highest": status.root.1.bounds.max_m,
         "revision": hub.revision,
         "clients": hub.clients.len(),
-    })
+    }))
 }
 
-pub(super) async fn one(Named(room): Named) -> Json<Value> {
-    let mut terrain = summary(&room).await;
-    let status = room.status().await;
+pub(super) async fn one(Named(room): Named) -> Result<Json<Value>, Failure> {
+    let mut terrain = summary(&room).await?;
+    let status = room.status().await?;
     let clients: Vec<_> = {
         let hub = room.hub();
         let clients = hub.clients.iter();
@@ -50,5 +51,5 @@ pub(super) async fn one(Named(room): Named) -> Json<Value> {
         fields.insert("file_size_in_bytes".to_owned(), status.file_size_in_bytes.into());
         fields.insert("clients".to_owned(), clients.into());
     }
-    Json(terrain)
+    Ok(Json(terrain))
 }

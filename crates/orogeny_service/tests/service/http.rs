@@ -136,6 +136,14 @@ fn heights_are_read_as_they_are_and_written_as_they_come() {
     let mask = served.get(&format!("{TERRAIN}/heights?mask=New&width=4&depth=4")).floats();
     assert_eq!(mask, [1.0; 4]);
 
+    // More than a framework's own limit.
+    let raw: Vec<u8> = (0..700 * 600 * 2).flat_map(|k| (k as f32).to_le_bytes()).collect();
+    let over_all = served.put(&format!("{TERRAIN}/heights?width=700&depth=1200&author=ann"), raw).ok();
+    assert_eq!(over_all["rect"], json!([0.0, 0.0, 1400.0, 1200.0]));
+    served.post(&format!("{TERRAIN}/undo"), &json!({ "author": "ann" })).ok();
+    // What was changed is told as far as it reaches.
+    assert_eq!(written["rect"], json!([600.0, 400.0, 60.0, 40.0]));
+
     for (query, status) in [
         ("level=9", 400),
         ("level=-1", 400),
@@ -161,7 +169,7 @@ fn heights_are_read_as_they_are_and_written_as_they_come() {
     let holes: Vec<u8> = [f32::NAN, f32::INFINITY].into_iter().flat_map(f32::to_le_bytes).collect();
     assert_eq!(served.put(&format!("{TERRAIN}/heights?width=2&depth=1"), holes).status / 100, 4);
     let terrain = served.stop();
-    assert_eq!(terrain.log().unwrap().len(), 3);
+    assert_eq!(terrain.log().unwrap().len(), 4);
     assert_eq!(heights_of(&terrain).len(), all.len());
 }
 
@@ -170,7 +178,7 @@ fn operations_read_no_files_but_those_that_are_shared() {
     let served = Served::new();
     let folder = served.folder.path();
     std::fs::create_dir_all(folder.join("files/in")).unwrap();
-    std::fs::write(folder.join("secret.png"), b"secret").unwrap();
+    std::fs::write(folder.join("secret.png"), b"what is in it").unwrap();
     let picture = include_bytes!("../../../../tests/fixtures/service/dot.png");
     std::fs::write(folder.join("files/in/dot.png"), picture).unwrap();
     #[cfg(unix)]
@@ -205,6 +213,6 @@ fn operations_read_no_files_but_those_that_are_shared() {
     for name in names {
         let refused = stamp(name);
         assert_eq!(refused.error(400), "operation", "{name:?}");
-        assert!(!String::from_utf8_lossy(&refused.body).contains("secret\n"));
+        assert!(!String::from_utf8_lossy(&refused.body).contains("what is in it"));
     }
 }
