@@ -58,7 +58,7 @@ pub struct Piece {
     pub is_mirrored: bool,
     /// What is added to its heights, metres.
     pub offset_m: f64,
-    /// An index into [`BLENDS`].
+    /// An index into the blends of the panel, in order.
     pub blend: usize,
 }
 

@@ -7,7 +7,7 @@
 //!                                        └── outboxes ──▶ clients
 //! ```
 //!
-//! A [`Room`](room::Room) is a terrain with those who are there. Its engine session does what is asked for, one thing after another, and
+//! A room is a terrain with those who are there. Its engine session does what is asked for, one thing after another, and
 //! tells events; the hub, which is all the room's state and does no I/O, hands them on. What goes out to a client lies in its outbox, whose
 //! size is bounded: what a slow client has not fetched yet is replaced by what is newer, never heaped up.
 
