@@ -7,6 +7,7 @@
     reason = "a test that cannot go on has failed"
 )]
 
+mod fuzz;
 mod guard;
 mod http;
 mod limits;

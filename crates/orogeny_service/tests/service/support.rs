@@ -232,6 +232,7 @@ impl Live {
                 }
                 None
             }
+            Message::Ping(_) | Message::Pong(_) => None,
             other => panic!("{other:?}"),
         }
     }
