@@ -1,7 +1,7 @@
 //! Who may ask, and for how much: looked at before anything of a request is read.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use axum::body::{Body, to_bytes};
 use axum::extract::{Request, State};
@@ -26,6 +26,8 @@ const MAX_DRAINED_BYTES: usize = 1 << 16;
 
 /// Lets a request through, or answers it.
 pub(crate) async fn guard(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
+    // Of an address only the path is logged: what is behind it may be a secret by mistake.
+    let (method, path, start) = (request.method().clone(), request.uri().path().to_owned(), Instant::now());
     let response = match check(&shared, &request) {
         Ok(()) => match read_body(&shared, request).await {
             Ok(request) => next.run(request).await,
@@ -38,7 +40,9 @@ pub(crate) async fn guard(State(shared): State<Arc<Shared>>, request: Request, n
             failure.into_response()
         }
     };
-    let status = vec![("status", response.status().as_u16().to_string())];
+    let (answer, elapsed_ms) = (response.status().as_u16(), start.elapsed().as_millis());
+    tracing::debug!(%method, path, status = answer, elapsed_ms, "request");
+    let status = vec![("status", answer.to_string())];
     shared.metrics.requests.get_or_create(&status).inc();
     response
 }

@@ -2,6 +2,7 @@
 
 mod clients;
 mod kill;
+mod logs;
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
