@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::{Serving, post};
+use super::{Serving, post, until};
 use crate::program::Folder;
 
 #[test]
@@ -19,6 +19,7 @@ fn what_was_acknowledged_survives_a_kill_at_any_moment() {
     let mut num_undone = 0;
     for round in 0..num_kills {
         let mut serving = Serving::start(&folder, "");
+        let at_start = acknowledged.lock().unwrap().len();
         let is_over = Arc::new(AtomicBool::new(false));
         let painters: Vec<_> = (0..4_u64)
             .map(|painter| {
@@ -44,6 +45,8 @@ fn what_was_acknowledged_survives_a_kill_at_any_moment() {
                 })
             })
             .collect();
+        // A slow machine takes its time to get going.
+        until("strokes are acknowledged", || acknowledged.lock().unwrap().len() >= at_start + 8);
         // One who undoes from under the others, which is one commit or none.
         std::thread::sleep(Duration::from_millis(60 + (round * 83) % 240));
         let before = acknowledged.lock().unwrap().len();

@@ -67,6 +67,15 @@ impl Serving {
     }
 }
 
+/// Waits for something.
+fn until(what: &str, is_so: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < WAIT, "never: {what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
 /// The answer to a request, `None` where the other side was gone before it had come whole.
 fn post(address: &str, path: &str, body: &Value) -> Option<Value> {
     let body = body.to_string();
