@@ -121,7 +121,7 @@ fn whatever_clients_say_the_service_goes_on() {
     let before = resident_bytes();
     let strategy = proptest::collection::vec((0_usize..3, wire()), 1..60);
     let mut clients: Vec<Live> = (0..3).map(|k| served.live(&format!("fuzz-{k}"))).collect();
-    for _ in 0..if long { 600 } else { 25 } {
+    for _ in 0..if long { 200 } else { 25 } {
         let messages = strategy.new_tree(&mut runner).unwrap().current();
         num_messages += messages.len();
         for (client, message) in messages {
