@@ -47,10 +47,7 @@ impl Terrain {
         };
         if later.is_empty() {
             let undone = self.undo(1)?;
-            let is_of_fields = undone.iter().all(|change| !change.layers_changed);
-            let layout = self.store()?.layout();
-            let pages = undone.iter().flat_map(|change| Change::of_pages(layout, &change.pages)).collect();
-            return Ok(Redone { entries: Vec::new(), changes: is_of_fields.then_some(pages) });
+            return Ok(Redone { entries: Vec::new(), changes: self.changed_by_travel(&undone)? });
         }
         check_work(later).map_err(refused)?;
         let mut again = Vec::with_capacity(later.len());
@@ -79,14 +76,22 @@ impl Terrain {
         };
         let next = log.iter().find(|other| other.state == EntryState::Undone);
         if next.is_some_and(|next| next.id == entry) {
-            let changes = self.redo(1)?;
-            let is_of_fields = changes.iter().all(|change| !change.layers_changed);
-            let layout = self.store()?.layout();
-            let pages = changes.iter().flat_map(|change| Change::of_pages(layout, &change.pages)).collect();
-            return Ok(Redone { entries: vec![entry], changes: is_of_fields.then_some(pages) });
+            let redone = self.redo(1)?;
+            return Ok(Redone { entries: vec![entry], changes: self.changed_by_travel(&redone)? });
         }
         let recorded = Recorded::of(undone).map_err(cannot)?;
         self.redo_all(None, vec![(undone, recorded)], observer)
+    }
+
+    /// What of fields a way through the history changed; `None` where it changed layers too.
+    pub(crate) fn changed_by_travel(
+        &self,
+        travelled: &[orogeny_store::Change],
+    ) -> Result<Option<Vec<Change>>> {
+        let is_of_fields = travelled.iter().all(|change| !change.layers_changed);
+        let layout = self.store()?.layout();
+        let pages = travelled.iter().flat_map(|change| Change::of_pages(layout, &change.pages));
+        Ok(is_of_fields.then(|| pages.collect()))
     }
 
     /// Does operations of the history again in one commit, after going back to before `taken`.

@@ -6,7 +6,7 @@ use orogeny_engine::session::Travel;
 use orogeny_engine::{BrushOperation, Operation, PointerSample};
 
 use crate::http::operations::{label, read_operations};
-use crate::hub::{Asker, Client, ClientId, Hub, Task};
+use crate::hub::{Asker, Client, ClientId, Task};
 use crate::message::{self, Message};
 use crate::outbox::Latest;
 use crate::reply::Refusal;
@@ -155,12 +155,11 @@ impl Connection {
         num_points: Option<usize>,
         give: impl FnOnce(&Client) -> orogeny_engine::session::Ticket,
     ) -> Result<(), Refusal> {
-        let limits = &self.shared.limits;
         let mut hub = self.room.hub();
         self.room.check_room(&hub)?;
         let Some(client) = hub.clients.get_mut(&self.id) else { return Ok(()) };
-        if !Hub::has_room(client, limits) {
-            let limit = limits.tasks_per_client;
+        let limit = self.shared.limits.tasks_per_client;
+        if client.tasks.len() >= limit {
             let message =
                 format!("{limit} things that you asked for are not done yet: wait for some of them");
             return Err(Refusal::new("too_many_tasks", message).with_limit(limit as u64));

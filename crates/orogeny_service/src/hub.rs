@@ -10,7 +10,6 @@ use orogeny_engine::{PagePlace, SampleRect};
 use tokio::sync::oneshot;
 
 use crate::frame::{self, FrameFormat, FrameHeader};
-use crate::limits::Limits;
 use crate::message::{self, RectM};
 use crate::metrics::Metrics;
 use crate::outbox::{Latest, Outbox};
@@ -344,11 +343,6 @@ impl Hub {
             session.look(places.iter().map(|place| PageRequest { place: *place, rect: None }).collect());
             self.looks.push_back(places.to_vec());
         }
-    }
-
-    /// Whether this client has room for one more task.
-    pub(crate) fn has_room(client: &Client, limits: &Limits) -> bool {
-        client.tasks.len() < limits.tasks_per_client
     }
 }
 

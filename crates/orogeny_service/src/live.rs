@@ -41,7 +41,7 @@ pub(crate) async fn open(
     upgrade: Result<WebSocketUpgrade, axum::extract::ws::rejection::WebSocketUpgradeRejection>,
 ) -> Result<Response, Failure> {
     let author = match who.author {
-        Some(given) => author(Some(given)).map_err(|refusal| refusal.with(StatusCode::BAD_REQUEST))?,
+        Some(given) => author(Some(given))?,
         None => "someone".to_owned(),
     };
     let upgrade = match upgrade {

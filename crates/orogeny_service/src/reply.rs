@@ -72,3 +72,8 @@ pub(crate) fn failure(message: String, is_cancelled: bool, is_fault: bool) -> Fa
     };
     Refusal::new(code, message).with(status)
 }
+
+/// The machine failed.
+pub(crate) fn fault(err: impl std::fmt::Display) -> Failure {
+    failure(err.to_string(), false, true)
+}

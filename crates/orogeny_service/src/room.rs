@@ -96,7 +96,7 @@ impl Room {
             tokio::time::sleep(Duration::from_millis(5)).await;
         }
         let message = format!("`{}` cannot be read: `orogeny check` tells what is wrong with it", self.name);
-        Err(reply::failure(message, false, true))
+        Err(reply::fault(message))
     }
 
     /// Refuses more than may wait.
@@ -130,9 +130,7 @@ impl Room {
             let ticket = ask(&self.participant(author));
             hub.note(ticket, Asker::Request(reply), author.into(), what);
         }
-        replied
-            .await
-            .unwrap_or_else(|_| Err(reply::failure("the service is closing".to_owned(), false, true)))
+        replied.await.unwrap_or_else(|_| Err(reply::fault("the service is closing")))
     }
 
     /// Opens the terrain for reading, as it was last committed.

@@ -87,6 +87,15 @@ impl Operation {
         }
     }
 
+    /// What it does, as short as can be: `stroke raise`, `add_layer`.
+    #[must_use]
+    pub fn label(&self) -> String {
+        match self.brush() {
+            Some(brush) => format!("{} {}", self.name(), brush.brush_type.name()),
+            None => self.name().to_owned(),
+        }
+    }
+
     /// What it is done with; of a layer, what it is to be made of.
     #[must_use]
     pub fn brush(&self) -> Option<&Brush> {

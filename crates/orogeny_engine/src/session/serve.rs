@@ -139,10 +139,7 @@ impl Server {
                 let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
                 let imported = self.terrain.import(&request, watcher);
                 if let Ok(summary) = &imported {
-                    match self.terrain.changed_by(summary) {
-                        Some(change) => self.fields_changed(&[change]),
-                        None => self.everything_changed(),
-                    }
+                    self.changed(self.terrain.changed_by(summary).map(|change| vec![change]));
                 }
                 let outcome = |summary: crate::ImportSummary| Outcome {
                     entries: vec![summary.entry],
@@ -175,10 +172,7 @@ impl Server {
         }
         let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
         let applied = self.terrain.apply(operations, watcher)?;
-        match applied.iter().map(|applied| applied.change).collect::<Option<Vec<_>>>() {
-            Some(changes) => self.fields_changed(&changes),
-            None => self.everything_changed(),
-        }
+        self.changed(applied.iter().map(|applied| applied.change).collect());
         Ok(Outcome::of(applied))
     }
 
@@ -186,20 +180,14 @@ impl Server {
         if self.cancelling.is_cancelled(ticket) {
             return Err(Error::Cancelled);
         }
-        let changes = match travel {
+        let travelled = match travel {
             Travel::UndoOwn => return self.undo_own(ticket),
             Travel::RedoOwn => return self.redo_own(ticket),
             Travel::Undo(count) => self.terrain.undo(count),
             Travel::Redo(count) => self.terrain.redo(count),
             Travel::Jump(entry) => self.terrain.jump(entry),
         }?;
-        if changes.iter().any(|change| change.layers_changed) {
-            self.everything_changed();
-        } else {
-            let layout = self.terrain.store()?.layout();
-            let pages: Vec<_> = changes.into_iter().flat_map(|change| change.pages).collect();
-            self.fields_changed(&Change::of_pages(layout, &pages));
-        }
+        self.changed(self.terrain.changed_by_travel(&travelled)?);
         Ok(Outcome::default())
     }
 
@@ -229,10 +217,7 @@ impl Server {
     }
 
     fn redone(&mut self, redone: Redone) -> Outcome {
-        match redone.changes {
-            Some(changes) => self.fields_changed(&changes),
-            None => self.everything_changed(),
-        }
+        self.changed(redone.changes);
         Outcome { entries: redone.entries, ..Outcome::default() }
     }
 
@@ -324,6 +309,14 @@ impl Server {
             }
         }
         Some(drawn)
+    }
+
+    /// Something changed, of fields; more than that for `None`.
+    fn changed(&mut self, changes: Option<Vec<Change>>) {
+        match changes {
+            Some(changes) => self.fields_changed(&changes),
+            None => self.everything_changed(),
+        }
     }
 
     fn fields_changed(&mut self, changes: &[Change]) {

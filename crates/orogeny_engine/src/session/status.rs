@@ -139,10 +139,7 @@ impl Status {
 /// What an entry did, as short as can be.
 fn label(operation_json: &str) -> String {
     match Operation::from_json_text(operation_json) {
-        Ok(operation) => match operation.brush() {
-            Some(brush) => format!("{} {}", operation.name(), brush.brush_type.name()),
-            None => operation.name().to_owned(),
-        },
+        Ok(operation) => operation.label(),
         // An import, or one of a later version.
         Err(_) => {
             let value: Option<serde_json::Value> = serde_json::from_str(operation_json).ok();

@@ -13,7 +13,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::{Asked, Named, Service, author, bad_request};
-use crate::reply::{Failure, Refusal, failure};
+use crate::reply::{Failure, Refusal, fault};
 use crate::room::Room;
 
 /// How heights are coded.
@@ -124,14 +124,14 @@ pub(super) async fn read(
     let range_m = range(asked.format, asked.low, asked.high, Some(usual_range))?;
     // Each reader has the terrain open for itself, so that none of them waits for a stroke, nor a stroke for them.
     let readers = Arc::clone(&shared.readers);
-    let place = readers.acquire_owned().await.map_err(|err| failure(err.to_string(), false, true))?;
+    let place = readers.acquire_owned().await.map_err(fault)?;
     let coding = asked.format;
     let read = tokio::task::spawn_blocking(move || {
         // Whoever asked may hang up; the place is taken for as long as it is worked on.
         let _place = place;
         export(&room, coding, source, region_m, asked.level, range_m)
     });
-    let (summary, bytes) = read.await.map_err(|err| failure(err.to_string(), false, true))??;
+    let (summary, bytes) = read.await.map_err(fault)??;
     let mut headers = HeaderMap::new();
     headers.insert(CONTENT_TYPE, HeaderValue::from_static(coding.media_type()));
     let mut tell = |name: &'static str, value: f64| {
@@ -159,14 +159,14 @@ fn export(
     level: u8,
     range_m: Option<(f64, f64)>,
 ) -> Result<(orogeny_engine::ExportSummary, Vec<u8>), Failure> {
-    let folder = tempfile::tempdir().map_err(|err| failure(err.to_string(), false, true))?;
+    let folder = tempfile::tempdir().map_err(fault)?;
     let file = folder.path().join("heights").with_extension(coding.ending());
     let mut request = ExportRequest::new(&file);
     request.options.range_m = range_m;
     (request.source, request.region_m, request.level) = (source, Some(region_m), level);
     let summary = room.open_to_read()?.export(&request, &mut Quiet);
     let summary = summary.map_err(|err| without_folder(err.into(), folder.path()))?;
-    let bytes = std::fs::read(&file).map_err(|err| failure(err.to_string(), false, true))?;
+    let bytes = std::fs::read(&file).map_err(fault)?;
     Ok((summary, bytes))
 }
 
@@ -235,9 +235,9 @@ pub(super) async fn write(
     Asked(asked): Asked<Write>,
     body: Bytes,
 ) -> Result<Json<Value>, Failure> {
-    let author = author(asked.author).map_err(|refusal| refusal.with(StatusCode::BAD_REQUEST))?;
+    let author = author(asked.author)?;
     let range_m = range(asked.format, asked.low, asked.high, None)?;
-    let folder = tempfile::tempdir().map_err(|err| failure(err.to_string(), false, true))?;
+    let folder = tempfile::tempdir().map_err(fault)?;
     let file = folder.path().join("heights").with_extension(asked.format.ending());
     let mut request = ImportRequest::new(&file);
     request.options.range_m = range_m;
@@ -253,10 +253,7 @@ pub(super) async fn write(
     (request.layer, request.at_m) = (asked.layer, [asked.x, asked.z]);
     let path = file.clone();
     let written = tokio::task::spawn_blocking(move || std::fs::write(&path, &body));
-    written
-        .await
-        .map_err(|err| failure(err.to_string(), false, true))?
-        .map_err(|err| failure(err.to_string(), false, true))?;
+    written.await.map_err(fault)?.map_err(fault)?;
     let done = room.ask(&author, "import".to_owned(), |participant| participant.import(request)).await;
     let done = done.map_err(|err| without_folder(err, folder.path()))?;
     Ok(Json(json!({ "revision": done.revision, "rect": done.rect_m, "entries": done.entries })))

@@ -2,7 +2,6 @@
 
 use axum::Json;
 use axum::body::Bytes;
-use axum::http::StatusCode;
 use orogeny_engine::session::Travel;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -46,7 +45,7 @@ async fn travel(
     if !(1..=MAX_COUNT).contains(&count) {
         return Err(bad_request("count", format!("`count` is {count}, it may be 1 to {MAX_COUNT}")));
     }
-    let author = author(body.author).map_err(|refusal| refusal.with(StatusCode::BAD_REQUEST))?;
+    let author = author(body.author)?;
     let mut entries = Vec::new();
     let mut last = None;
     // Someone else's undo is one step of the history; one's own may do others' operations again, each for itself.

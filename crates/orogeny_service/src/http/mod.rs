@@ -108,12 +108,13 @@ fn bad_request(code: &'static str, message: String) -> Failure {
 ///
 /// # Errors
 /// One that is too long, or that could not be printed.
-pub(crate) fn author(given: Option<String>) -> Result<String, Refusal> {
+pub(crate) fn author(given: Option<String>) -> Result<String, Failure> {
     let author = given.unwrap_or_else(|| USUAL_AUTHOR.to_owned());
     if author.len() > MAX_AUTHOR_BYTES || author.chars().any(char::is_control) {
         let message =
             format!("`author` takes up to {MAX_AUTHOR_BYTES} bytes of text without control characters");
-        return Err(Refusal::new("author", message).with_limit(MAX_AUTHOR_BYTES as u64));
+        let refusal = Refusal::new("author", message).with_limit(MAX_AUTHOR_BYTES as u64);
+        return Err(refusal.with(StatusCode::BAD_REQUEST));
     }
     Ok(author)
 }

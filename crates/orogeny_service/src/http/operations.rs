@@ -26,9 +26,9 @@ pub(super) async fn run(
     body: Bytes,
 ) -> Result<Json<Value>, Failure> {
     let body: Body = json(&body)?;
-    let bad = |refusal: Refusal| refusal.with(StatusCode::BAD_REQUEST);
-    let author = author(body.author).map_err(bad)?;
-    let operations = read_operations(&shared, body.operations).map_err(bad)?;
+    let author = author(body.author)?;
+    let operations = read_operations(&shared, body.operations);
+    let operations = operations.map_err(|refusal| refusal.with(StatusCode::BAD_REQUEST))?;
     let what = label(&operations);
     let done = room.ask(&author, what, |participant| participant.apply(operations)).await?;
     Ok(Json(json!({
@@ -57,10 +57,7 @@ pub(crate) fn read_operations(shared: &Shared, values: Vec<Value>) -> Result<Vec
 pub(crate) fn label(operations: &[Operation]) -> String {
     match operations {
         [] => "nothing".to_owned(),
-        [one] => match one.brush() {
-            Some(brush) => format!("{} {}", one.name(), brush.brush_type.name()),
-            None => one.name().to_owned(),
-        },
+        [one] => one.label(),
         several => format!("{} operations", several.len()),
     }
 }
