@@ -88,6 +88,7 @@ var _changed := Rect2i()
 ## Pages that have come, by their places.
 var _come: Dictionary = {}
 var _pieces: Dictionary = {}
+var _triangles_of: Dictionary = {}
 var _shape: CollisionShape3D
 
 
@@ -427,6 +428,8 @@ func _update_piece(piece: Vector2i) -> void:
 	var normals := PackedVector3Array()
 	vertices.resize(side.x * side.y)
 	normals.resize(side.x * side.y)
+	# What is local is reached faster.
+	var field := heights
 	for z in side.y:
 		var row := begin.y + z
 		var north := maxi(row - 1, 0) * size.x
@@ -437,15 +440,18 @@ func _update_piece(piece: Vector2i) -> void:
 			var east := mini(column + 1, size.x - 1)
 			var i := z * side.x + x
 			var middle := row * size.x
-			vertices[i] = Vector3((first.x + column) * spacing, heights[middle + column], (first.y + row) * spacing)
-			var slope_x := (heights[middle + east] - heights[middle + west]) / (spacing * (east - west))
-			var slope_z := (heights[south + column] - heights[north + column]) / (spacing * (south - north) / size.x)
+			vertices[i] = Vector3((first.x + column) * spacing, field[middle + column], (first.y + row) * spacing)
+			var slope_x := (field[middle + east] - field[middle + west]) / (spacing * (east - west))
+			var slope_z := (field[south + column] - field[north + column]) / (spacing * (south - north) / size.x)
 			normals[i] = Vector3(-slope_x, 1.0, -slope_z).normalized()
 	var arrays := []
 	arrays.resize(Mesh.ARRAY_MAX)
 	arrays[Mesh.ARRAY_VERTEX] = vertices
 	arrays[Mesh.ARRAY_NORMAL] = normals
-	arrays[Mesh.ARRAY_INDEX] = _triangles(side)
+	# All pieces but those at the far edges have the same.
+	if not _triangles_of.has(side):
+		_triangles_of[side] = _triangles(side)
+	arrays[Mesh.ARRAY_INDEX] = _triangles_of[side]
 	var mesh := ArrayMesh.new()
 	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
 	if not _pieces.has(piece):
