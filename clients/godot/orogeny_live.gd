@@ -25,7 +25,11 @@ const MAX_MESSAGE_BYTES := 8 * 1024 * 1024
 const MAX_SAMPLES := 4096 * 4096
 ## Samples along one side of a piece of the mesh.
 const PIECE := 128
+## What waits to be sent, at most: as much as the service takes as one message.
+const MAX_SENT_BYTES := 1024 * 1024
 const RECONNECT_AFTER_S := 2.0
+## How long the service has to say why it refused a connection.
+const REASON_AFTER_S := 5.0
 const WINDOW := 16
 
 @export var url := "http://127.0.0.1:4750"
@@ -44,7 +48,11 @@ const WINDOW := 16
 @export_range(0, 31) var level := 0
 @export var show_mesh := true
 @export var make_collision := false
-@export var material: Material
+@export var material: Material:
+	set(value):
+		material = value
+		for piece: MeshInstance3D in _pieces.values():
+			piece.material_override = value
 @export var reconnect := true
 ## Whether it is connected, in the editor too.
 @export var enabled := true:
@@ -67,16 +75,25 @@ var first := Vector2i.ZERO
 var revision := 0
 
 var _socket: WebSocketPeer
+var _was_open := false
 var _wait_s := 0.0
+var _reason: HTTPRequest
+## Whether what is there stays until pages come: after a lost connection the ground must not fall away.
+var _keeps := false
 var _taken := 0
 var _last_id := 0
+var _subscription := 0
 var _level_size := Vector2i.ZERO
 var _changed := Rect2i()
+## Pages that have come, by their places.
+var _come: Dictionary = {}
 var _pieces: Dictionary = {}
+var _triangles_of: Dictionary = {}
 var _shape: CollisionShape3D
 
 
-func _ready() -> void:
+# Not `_ready`, which comes once: a node may leave the tree and enter it again.
+func _enter_tree() -> void:
 	if enabled:
 		open()
 
@@ -90,44 +107,89 @@ func _process(delta: float) -> void:
 		if enabled and reconnect and _wait_s > 0.0:
 			_wait_s -= delta
 			if _wait_s <= 0.0:
-				open()
+				_connect()
 		return
 	_socket.poll()
 	var state := _socket.get_ready_state()
 	if state == WebSocketPeer.STATE_OPEN:
+		_was_open = true
 		_receive()
 		_tell_changes()
+	elif state == WebSocketPeer.STATE_CLOSED and not _was_open:
+		_ask_why()
 	elif state == WebSocketPeer.STATE_CLOSED:
-		_lose("closed by the service (%d) %s" % [_socket.get_close_code(), _socket.get_close_reason()])
+		var code := _socket.get_close_code()
+		var why := "closed by the service (%d) %s" % [code, _socket.get_close_reason()]
+		_lose(why.strip_edges() if code >= 0 else "the connection broke")
 
 
 ## Connects, and follows the region as it is set now.
 func open() -> void:
+	_keeps = false
+	_connect()
+
+
+func _connect() -> void:
 	_close()
 	if terrain.is_empty():
 		return
-	var parts := url.trim_suffix("/").split("://")
-	if parts.size() != 2 or parts[0] not in ["http", "https"]:
+	if not (url.begins_with("http://") or url.begins_with("https://")):
 		_lose("the service's address is such as http://127.0.0.1:4750")
 		return
 	_socket = WebSocketPeer.new()
 	_socket.inbound_buffer_size = MAX_MESSAGE_BYTES
+	_socket.outbound_buffer_size = MAX_SENT_BYTES
 	_socket.max_queued_packets = 4096
-	var secret := token if not token.is_empty() else OS.get_environment("OROGENY_TOKEN")
-	if not secret.is_empty():
-		if OS.has_feature("web"):
-			_socket.supported_protocols = PackedStringArray(["orogeny.v1", "bearer." + secret])
-		else:
-			_socket.handshake_headers = PackedStringArray(["Authorization: Bearer " + secret])
-	var scheme := "wss" if parts[0] == "https" else "ws"
-	var path := "/v1/terrains/%s/live?author=%s" % [terrain.uri_encode(), author.uri_encode()]
-	var error := _socket.connect_to_url("%s://%s%s" % [scheme, parts[1], path])
+	if OS.has_feature("web"):
+		if not _secret().is_empty():
+			_socket.supported_protocols = PackedStringArray(["orogeny.v1", "bearer." + _secret()])
+	else:
+		_socket.handshake_headers = _authorization()
+	# http becomes ws, and https wss.
+	var error := _socket.connect_to_url("ws" + _address().trim_prefix("http"))
 	if error != OK:
 		_lose(error_string(error))
 
 
+func _address() -> String:
+	var path := "/v1/terrains/%s/live?author=%s" % [terrain.uri_encode(), author.uri_encode()]
+	return url.trim_suffix("/") + path
+
+
+func _secret() -> String:
+	return token if not token.is_empty() else OS.get_environment("OROGENY_TOKEN")
+
+
+func _authorization() -> PackedStringArray:
+	var secret := _secret()
+	return PackedStringArray() if secret.is_empty() else PackedStringArray(["Authorization: Bearer " + secret])
+
+
+## A WebSocketPeer does not tell what it was refused with; the same address asked by plain HTTP does.
+func _ask_why() -> void:
+	_close()
+	_reason = HTTPRequest.new()
+	_reason.timeout = REASON_AFTER_S
+	add_child(_reason, false, Node.INTERNAL_MODE_BACK)
+	_reason.request_completed.connect(_take_reason)
+	if _reason.request(_address(), _authorization()) != OK:
+		_lose("there is no connection to %s" % url)
+
+
+func _take_reason(result: int, status: int, _headers: PackedStringArray, body: PackedByteArray) -> void:
+	if result != HTTPRequest.RESULT_SUCCESS:
+		_lose("no service answers at %s" % url)
+		return
+	var answer: Variant = JSON.parse_string(body.get_string_from_utf8())
+	var why := ""
+	# 426: it would have taken a WebSocket now.
+	if status != 426 and answer is Dictionary and answer.get("error") is Dictionary:
+		why = str(answer["error"].get("message", ""))
+	_lose(why if not why.is_empty() else "the service took no connection (%d)" % status)
+
+
 ## Draws a stroke. [param points] are places on the terrain, metres: x to the east, y to the south. Returns the number
-## by which `done` or `error` will answer in [signal event_received].
+## by which `done` or `error` will answer in [signal event_received]; 0 where it could not be sent.
 func stroke(brush: Dictionary, points: PackedVector2Array, layer := "") -> int:
 	var operation := {"op": "stroke", "brush": brush}
 	if not layer.is_empty():
@@ -166,41 +228,48 @@ func height_at(place: Vector3) -> float:
 func _ask(message: Dictionary) -> int:
 	_last_id += 1
 	message["id"] = _last_id
-	_send(message)
-	return _last_id
+	return _last_id if _send(message) else 0
 
 
-func _send(message: Dictionary) -> void:
-	if _socket != null and _socket.get_ready_state() == WebSocketPeer.STATE_OPEN:
-		_socket.send_text(JSON.stringify(message))
+func _send(message: Dictionary) -> bool:
+	if _socket == null or _socket.get_ready_state() != WebSocketPeer.STATE_OPEN:
+		return false
+	return _socket.send_text(JSON.stringify(message)) == OK
 
 
 func _close() -> void:
 	if _socket != null:
 		_socket.close()
 		_socket = null
+	if _reason != null:
+		_reason.queue_free()
+		_reason = null
+	_was_open = false
 	_wait_s = 0.0
 	_taken = 0
 
 
 func _lose(why: String) -> void:
 	_close()
+	_keeps = true
 	_wait_s = RECONNECT_AFTER_S
 	connection_lost.emit(why)
 
 
 func _receive() -> void:
 	var frames := 0
-	while _socket != null and _socket.get_available_packet_count() > 0:
-		var packet := _socket.get_packet()
-		if _socket.was_string_packet():
+	# Whoever hears an event may open another connection.
+	var socket := _socket
+	while _socket == socket and socket.get_available_packet_count() > 0:
+		var packet := socket.get_packet()
+		if socket.was_string_packet():
 			_take_event(packet.get_string_from_utf8())
 		elif _take_frame(packet):
 			frames += 1
 		else:
 			_lose("a page frame that cannot be read")
 			return
-	if frames > 0:
+	if frames > 0 and _socket == socket:
 		# The service holds pages back until it hears this, and then sends the latest state of each.
 		_taken += frames
 		_send({"type": "ack", "frames": _taken})
@@ -213,13 +282,25 @@ func _take_event(text: String) -> void:
 		return
 	if event["event"] == "hello":
 		_begin(event)
+	elif event["event"] == "error" and event.get("id") == _subscription:
+		_give_up(str(event.get("message", "the region is refused")))
 	event_received.emit(event)
+
+
+## Another try would end in the same way.
+func _give_up(why: String) -> void:
+	_close()
+	size = Vector2i.ZERO
+	heights.clear()
+	_clear_children()
+	connection_lost.emit(why)
 
 
 func _begin(hello: Dictionary) -> void:
 	if int(hello["page_size"]) != PAGE_SIZE:
-		_lose("pages have %d samples a side, this script knows %d" % [hello["page_size"], PAGE_SIZE])
+		_give_up("pages have %d samples a side, this script knows %d" % [hello["page_size"], PAGE_SIZE])
 		return
+	var before := [spacing, first, size]
 	spacing = float(hello["spacing"]) * pow(2.0, level)
 	_level_size = Vector2i((int(hello["width"]) - 1 >> level) + 1, (int(hello["depth"]) - 1 >> level) + 1)
 	var end := _level_size
@@ -231,18 +312,19 @@ func _begin(hello: Dictionary) -> void:
 		end = _sample_at(region_begin + region_size).clamp(Vector2i.ZERO, _level_size)
 	size = end - first
 	if size.x < 2 or size.y < 2 or size.x * size.y > MAX_SAMPLES:
-		size = Vector2i.ZERO
-		enabled = false
-		connection_lost.emit("the region lies outside, is too small, or needs a coarser level")
+		_give_up("the region lies outside, is too small, or needs a coarser level")
 		return
-	heights.resize(size.x * size.y)
-	heights.fill(0.0)
+	if not _keeps or before != [spacing, first, size]:
+		heights.resize(size.x * size.y)
+		heights.fill(0.0)
+		_come.clear()
+		_clear_children()
+	_changed = Rect2i()
 	revision = 0
-	_clear_children()
 	var message := {"type": "subscribe", "level": level, "format": "r32", "window": WINDOW}
 	if region != null:
 		message["region"] = region
-	_send(message)
+	_subscription = _ask(message)
 
 
 func _sample_at(place: Vector2) -> Vector2i:
@@ -278,14 +360,31 @@ func _take_frame(frame: PackedByteArray) -> bool:
 		return true
 	revision = maxi(revision, frame.decode_u64(24))
 	var samples := frame.slice(HEADER_BYTES).to_float32_array()
+	# A page comes whole, whatever little of it has changed: the mesh is made anew for that alone.
+	var here := Rect2i(part.position - first, part.size) if not _come.has(place) else Rect2i()
+	_come[place] = true
 	for z in range(part.position.y, part.end.y):
 		var from := (z - page.position.y) * page_size.x + part.position.x - page.position.x
 		var to := (z - first.y) * size.x + part.position.x - first.x
+		var row := samples.slice(from, from + part.size.x)
+		if row == heights.slice(to, to + part.size.x):
+			continue
+		var west := part.size.x
+		var east := 0
 		for i in part.size.x:
-			heights[to + i] = samples[from + i]
-	var here := Rect2i(part.position - first, part.size)
-	_changed = here if not _changed.has_area() else _changed.merge(here)
+			if heights[to + i] != row[i]:
+				heights[to + i] = row[i]
+				west = mini(west, i)
+				east = i
+		here = _merged(here, Rect2i(part.position.x - first.x + west, z - first.y, east - west + 1, 1))
+	_changed = _merged(_changed, here)
 	return true
+
+
+func _merged(one: Rect2i, other: Rect2i) -> Rect2i:
+	if not one.has_area():
+		return other
+	return one.merge(other) if other.has_area() else one
 
 
 func _tell_changes() -> void:
@@ -313,7 +412,9 @@ func _clear_children() -> void:
 func _update_mesh(changed: Rect2i) -> void:
 	var wide := changed.grow(1).intersection(Rect2i(Vector2i.ZERO, size))
 	# A sample between two pieces belongs to both.
+	@warning_ignore("integer_division")
 	var from := (wide.position - Vector2i.ONE).max(Vector2i.ZERO) / PIECE
+	@warning_ignore("integer_division")
 	var to := (wide.end - Vector2i.ONE).min(size - Vector2i(2, 2)) / PIECE
 	for row in range(from.y, to.y + 1):
 		for column in range(from.x, to.x + 1):
@@ -327,6 +428,8 @@ func _update_piece(piece: Vector2i) -> void:
 	var normals := PackedVector3Array()
 	vertices.resize(side.x * side.y)
 	normals.resize(side.x * side.y)
+	# What is local is reached faster.
+	var field := heights
 	for z in side.y:
 		var row := begin.y + z
 		var north := maxi(row - 1, 0) * size.x
@@ -337,15 +440,18 @@ func _update_piece(piece: Vector2i) -> void:
 			var east := mini(column + 1, size.x - 1)
 			var i := z * side.x + x
 			var middle := row * size.x
-			vertices[i] = Vector3((first.x + column) * spacing, heights[middle + column], (first.y + row) * spacing)
-			var slope_x := (heights[middle + east] - heights[middle + west]) / (spacing * (east - west))
-			var slope_z := (heights[south + column] - heights[north + column]) / (spacing * (south - north) / size.x)
+			vertices[i] = Vector3((first.x + column) * spacing, field[middle + column], (first.y + row) * spacing)
+			var slope_x := (field[middle + east] - field[middle + west]) / (spacing * (east - west))
+			var slope_z := (field[south + column] - field[north + column]) / (spacing * (south - north) / size.x)
 			normals[i] = Vector3(-slope_x, 1.0, -slope_z).normalized()
 	var arrays := []
 	arrays.resize(Mesh.ARRAY_MAX)
 	arrays[Mesh.ARRAY_VERTEX] = vertices
 	arrays[Mesh.ARRAY_NORMAL] = normals
-	arrays[Mesh.ARRAY_INDEX] = _triangles(side)
+	# All pieces but those at the far edges have the same.
+	if not _triangles_of.has(side):
+		_triangles_of[side] = _triangles(side)
+	arrays[Mesh.ARRAY_INDEX] = _triangles_of[side]
 	var mesh := ArrayMesh.new()
 	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
 	if not _pieces.has(piece):

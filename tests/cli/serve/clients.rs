@@ -1,8 +1,9 @@
-//! What programs and people use the service by: the Python client, its example, the Blender add-on, the page in a browser, and a program that
-//! tries every call by its description. What they need is made ready by `cargo xtask setup`.
+//! What programs and people use the service by: the Python client, its example, the Blender add-on, the Godot script, the page in a browser,
+//! and a program that tries every call by its description. What they need is made ready by `cargo xtask setup`, but for Godot.
 
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use orogeny_tests::skip;
 use serde_json::Value;
@@ -12,6 +13,9 @@ use crate::program::Folder;
 
 /// The variable that names the Python in which the clients' packages are.
 const PYTHON: &str = "OROGENY_TEST_PYTHON";
+
+/// The variable that names a Godot 4.
+const GODOT: &str = "OROGENY_TEST_GODOT";
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
@@ -88,6 +92,69 @@ fn blender_shows_and_paints_what_is_there() {
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("OROGENY_SERVICE_URL", serving.url()));
     assert!(said.contains("passed"), "{said}");
+}
+
+/// A Godot of version 4: the one that the variable names, or one in the path.
+fn godot() -> Option<PathBuf> {
+    let named = std::env::var_os(GODOT).map(PathBuf::from);
+    let candidates = named.map_or_else(|| vec!["godot4".into(), "godot".into()], |named| vec![named]);
+    candidates.into_iter().find(|godot: &PathBuf| {
+        let said = Command::new(godot).args(["--headless", "--version"]).output();
+        said.is_ok_and(|said| said.status.success() && said.stdout.starts_with(b"4."))
+    })
+}
+
+#[test]
+fn godot_follows_and_paints() {
+    const TOKEN: &str = "a-token-for-the-tests";
+    let Some(godot) = godot() else {
+        return skip("serve::godot", &format!("{GODOT} names no Godot 4, and none is in the path"));
+    };
+    let folder = Folder::new();
+    folder.succeed("new t.orogeny --size 420x300 --spacing 2");
+    folder.write("token", TOKEN);
+    let mut serving = Some(Serving::start(&folder, "--token-file token"));
+    let address = serving.as_ref().unwrap().address.clone();
+    // Godot writes into the folder of a project, so it gets one of its own: as the README says, with the script in it.
+    let (clients, project) = (root().join("clients/godot"), folder.path("project"));
+    std::fs::create_dir(&project).unwrap();
+    let ours = std::fs::read_dir(clients.join("tests")).unwrap().map(|entry| entry.unwrap().path());
+    for file in ours.chain([clients.join("orogeny_live.gd")]).filter(|path| path.is_file()) {
+        std::fs::copy(&file, project.join(file.file_name().unwrap())).unwrap();
+    }
+    let command = || {
+        let mut command = Command::new(&godot);
+        // Its settings are those of nobody.
+        for variable in ["XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_CACHE_HOME"] {
+            command.env(variable, folder.path("godot"));
+        }
+        command.args(["--headless", "--path"]).arg(&project);
+        command
+    };
+    // The editor once: scripts are parsed, with warnings as errors, and their classes become known.
+    let said = run(command().arg("--import"));
+    assert!(!said.contains("ERROR"), "{said}");
+    let mut child = command()
+        .env("OROGENY_SERVICE_URL", format!("http://{address}"))
+        .env("OROGENY_SERVICE_TOKEN", TOKEN)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = String::new();
+    for line in BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok) {
+        match line.as_str() {
+            "stop the service" => serving.take().unwrap().stop(),
+            "start the service" => {
+                serving = Some(Serving::start_at(&folder, &address, "--token-file token"));
+            }
+            _ => {}
+        }
+        println!("{line}");
+        said = line;
+    }
+    assert!(child.wait().unwrap().success(), "{said}");
+    assert_eq!(said, "63 held, 0 problems");
 }
 
 #[test]

@@ -31,7 +31,12 @@ impl Drop for Serving {
 impl Serving {
     /// Serves `t.orogeny` of the folder.
     fn start(folder: &Folder, more: &str) -> Self {
-        let mut command = folder.command(&format!("serve t.orogeny --listen 127.0.0.1:0 --json {more}"));
+        Self::start_at(folder, "127.0.0.1:0", more)
+    }
+
+    /// Serves it at an address, as where it was before.
+    fn start_at(folder: &Folder, address: &str, more: &str) -> Self {
+        let mut command = folder.command(&format!("serve t.orogeny --listen {address} --json {more}"));
         command.stdout(Stdio::piped()).stderr(std::fs::File::create(folder.path("serve.log")).unwrap());
         let mut child = command.spawn().unwrap();
         let mut report = String::new();

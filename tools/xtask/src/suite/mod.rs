@@ -7,6 +7,7 @@
 //! | `OROGENY_SKIP_LOG` | a file; a test that must skip appends one line, `NAME: REASON`, and returns |
 //! | `OROGENY_TEST_LONG` | set to 1 by `--long`: the long tests run too |
 //! | `OROGENY_TEST_PYTHON` | a Python with what the service's clients work by; not set where there is none |
+//! | `OROGENY_TEST_GODOT` | the user's: a Godot 4; without it one in the path, or its test skips |
 //! | `OROGENY_DATA` | the user's: a folder of real terrains; without it their tests skip |
 //! | `XDG_RUNTIME_DIR` | a private folder; without one, some drivers complain in every test |
 //!
