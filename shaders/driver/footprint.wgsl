@@ -8,6 +8,8 @@ const DIRECT = 0u;
 const BUILD_UP = 1u;
 const WASH = 2u;
 
+// Whether all instances reach all samples alike, as that of a fill does.
+override IS_EVERYWHERE: u32 = 0u;
 override IS_SEGMENT: u32 = 0u;
 override HAS_ALPHA: u32 = 0u;
 
@@ -85,19 +87,26 @@ fn alpha_value(way: vec2<f32>, instance: Instance) -> f32 {
     return lerp(upper, lower, share.y);
 }
 
-fn amount_of(instance: Instance, sample: vec2<i32>) -> f32 {
-    let way = offset_of(sample, instance);
+// The weight of an instance's profile at a sample that lies so far from its centre, 0..1.
+fn profile_weight(way: vec2<f32>, instance: Instance) -> f32 {
+    if IS_EVERYWHERE == 1u {
+        return 1.0;
+    }
     var from_nearest = way;
     if IS_SEGMENT == 1u {
         from_nearest = way - along_segment(way, instance) * instance.segment;
     }
     let r = sqrt(from_nearest.x * from_nearest.x + from_nearest.y * from_nearest.y) * instance.inverse_radius;
     let falloff = Falloff(brush.inverse_falloff_ratio, brush.falloff_exponent, brush.falloff_scale);
-    var weight = falloff_weight(r, falloff);
     if FALLOFF_FORMULA == CURVE && r < 1.0 {
-        weight = curve_value(FALLOFF_CURVE, falloff_slope(r, falloff) * 255.0).x;
+        return curve_value(FALLOFF_CURVE, falloff_slope(r, falloff) * 255.0).x;
     }
-    var amount = weight * instance.amplitude;
+    return falloff_weight(r, falloff);
+}
+
+fn amount_of(instance: Instance, sample: vec2<i32>) -> f32 {
+    let way = offset_of(sample, instance);
+    var amount = profile_weight(way, instance) * instance.amplitude;
     if HAS_ALPHA == 1u {
         amount = amount * alpha_value(way, instance);
     }

@@ -1,6 +1,7 @@
 // One sample of a plane an invocation, made of those of other planes. A kernel includes this file and defines
 //     fn update_sample(sample: vec2<i32>)
-// which hands each channel's value to `store`. Bindings from 6 on are the kernel's own. Twin: orogeny_brush::executor_cpu::steps.
+// which hands each channel's value to `store`; or, where neighbours read much the same, the four samples from there on to
+// `store_four`. Bindings from 6 on are the kernel's own. Twin: orogeny_brush::executor_cpu::steps.
 #include "lib/plane.wgsl"
 
 const WORKGROUP_SIDE = 16u;
@@ -8,6 +9,10 @@ const WORKGROUP_SIDE = 16u;
 // A bit for each input that is a part of a ground, which is mirrored at its border. A constant: a driver that works out both sides
 // of a condition would else find for each sample of the others where it would lie.
 override MIRRORED_INPUTS: u32 = 15u;
+
+// Samples that an invocation makes, along each axis: one, or four along one of them. orogeny_brush::filter::Step::at_once
+override AT_ONCE_ALONG_X: u32 = 1u;
+override AT_ONCE_ALONG_Z: u32 = 1u;
 
 struct Input {
     plane: Plane,
@@ -81,8 +86,27 @@ fn store(channel: u32, sample: vec2<i32>, value: f32) {
     result_values[index_in(step_planes.result, channel, sample)] = value;
 }
 
+fn is_in_result(sample: vec2<i32>) -> bool {
+    return all(sample < step_planes.result.origin + vec2<i32>(step_planes.size));
+}
+
+// Of four samples one after another those that the plane has.
+fn store_four(channel: u32, first: vec2<i32>, along: vec2<i32>, values: vec4<f32>) {
+    store(channel, first, values.x);
+    if is_in_result(first + along) {
+        store(channel, first + along, values.y);
+    }
+    if is_in_result(first + 2 * along) {
+        store(channel, first + 2 * along, values.z);
+    }
+    if is_in_result(first + 3 * along) {
+        store(channel, first + 3 * along, values.w);
+    }
+}
+
 fn update_plane(invocation: vec3<u32>) {
-    if all(invocation.xy < step_planes.size) {
-        update_sample(step_planes.result.origin + vec2<i32>(invocation.xy));
+    let first = invocation.xy * vec2<u32>(AT_ONCE_ALONG_X, AT_ONCE_ALONG_Z);
+    if all(first < step_planes.size) {
+        update_sample(step_planes.result.origin + vec2<i32>(first));
     }
 }

@@ -1,18 +1,15 @@
-// A symmetric filter along one axis, of every `stride`-th sample. Twin: orogeny_reference::field::convolve.
+// A symmetric filter along one axis, of every `STRIDE`-th sample, for four values one after another, which read much the same. Twin:
+// orogeny_reference::field::convolve.
 #include "driver/plane.wgsl"
 
 // orogeny_brush::filter::Axis
 override AXIS: u32 = 0u;
 
-// Neighbours on each side; a constant, so that drivers can do without a loop.
+// Neighbours on each side, and samples from centre to centre; constants, so that drivers can do without a loop.
 override NUM_WEIGHTS: u32 = 0u;
+override STRIDE: i32 = 1;
 
-struct Convolve {
-    stride: i32,
-}
-
-@group(1) @binding(6) var<uniform> convolve: Convolve;
-@group(1) @binding(7) var<storage, read> weights: array<f32>;
+@group(1) @binding(6) var<storage, read> weights: array<f32>;
 
 // The input along the axis through a sample: what is the same for all that are read of it is worked out once.
 struct Line {
@@ -44,16 +41,52 @@ fn value_at(line: Line, place: i32) -> f32 {
     return first_values[line.first + u32(there - line.origin) * line.step];
 }
 
+// What lies at a place and so far from the next three centres.
+fn values_at(line: Line, place: i32) -> vec4<f32> {
+    return vec4<f32>(
+        value_at(line, place),
+        value_at(line, place + STRIDE),
+        value_at(line, place + 2 * STRIDE),
+        value_at(line, place + 3 * STRIDE),
+    );
+}
+
 fn update_sample(sample: vec2<i32>) {
     let line = line_through(sample);
-    let place = select(sample.x, sample.y, AXIS == 1u) * convolve.stride;
-    let centre = value_at(line, place);
+    let place = select(sample.x, sample.y, AXIS == 1u) * STRIDE;
+    let centre = values_at(line, place);
     var value = centre;
+    // What lies a step nearer on each side, and a stride nearer: three of the next four.
+    var before = centre;
+    var after = centre;
+    var before_stride = centre;
+    var after_stride = centre;
+    if STRIDE == 2 {
+        before_stride = values_at(line, place + 1);
+        after_stride = vec4<f32>(value_at(line, place - 1), before_stride.xyz);
+    }
     for (var k = 0u; k < NUM_WEIGHTS; k++) {
         let away = i32(k) + 1;
-        value += weights[k] * ((value_at(line, place - away) - centre) + (value_at(line, place + away) - centre));
+        var next_before: vec4<f32>;
+        var next_after: vec4<f32>;
+        if STRIDE <= 2 {
+            next_before = vec4<f32>(value_at(line, place - away), before_stride.xyz);
+            next_after = vec4<f32>(after_stride.yzw, value_at(line, place + 3 * STRIDE + away));
+        } else {
+            next_before = values_at(line, place - away);
+            next_after = values_at(line, place + away);
+        }
+        value += weights[k] * ((next_before - centre) + (next_after - centre));
+        before_stride = next_before;
+        after_stride = next_after;
+        if STRIDE == 2 {
+            before_stride = before;
+            after_stride = after;
+            before = next_before;
+            after = next_after;
+        }
     }
-    store(0u, sample, value);
+    store_four(0u, sample, select(vec2<i32>(1, 0), vec2<i32>(0, 1), AXIS == 1u), value);
 }
 
 @compute @workgroup_size(WORKGROUP_SIDE, WORKGROUP_SIDE)

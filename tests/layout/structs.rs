@@ -5,13 +5,10 @@ use std::collections::BTreeSet;
 use orogeny_brush::filter::kernels::band::BandUniform;
 use orogeny_brush::filter::kernels::channel::ChannelUniform;
 use orogeny_brush::filter::kernels::combine::CombineUniform;
-use orogeny_brush::filter::kernels::convolve::ConvolveUniform;
 use orogeny_brush::filter::kernels::grab::GrabUniform;
-use orogeny_brush::filter::kernels::interpolate::InterpolateUniform;
 use orogeny_brush::filter::kernels::resample::ResampleUniform;
 use orogeny_brush::filter::kernels::sharpen::SharpenUniform;
 use orogeny_brush::filter::kernels::shift::ShiftUniform;
-use orogeny_brush::filter::kernels::thermal::ThermalUniform;
 use orogeny_brush::filter::kernels::{InputUniform, PlaneUniform, StepUniform};
 use orogeny_brush::kernels::custom::CustomUniform;
 use orogeny_brush::kernels::ledge::LedgeUniform;
@@ -182,12 +179,9 @@ fn mirrors() -> Vec<Mirror> {
         mirror!("Band", BandUniform { factor }),
         mirror!("Grab", GrabUniform { num_drags, num_steps, inverse_num_steps }),
         mirror!("Drag", Drag { cell, fraction, way, inverse_radius, padding }),
-        mirror!("Convolve", ConvolveUniform { stride }),
-        mirror!("Interpolate", InterpolateUniform { num_phases }),
         mirror!("PhaseWeights", PhaseWeights { before, next, after_next }),
         mirror!("Sharpen", SharpenUniform { gain }),
         mirror!("Shift", ShiftUniform { cell, fraction }),
-        mirror!("Thermal", ThermalUniform { num_layers }),
         mirror!("ThermalLayer", ThermalLayer { from_m, talus_m, half_rate }),
         mirror!(
             "Pipes",

@@ -99,8 +99,8 @@ fn max_indices(pass: &Pass) -> usize {
     }
 }
 
-fn constants(pass: &Pass, own: &OwnData) -> Vec<(&'static str, u32)> {
-    uniforms::constants(pass).chain(own.constants.iter().copied()).collect()
+fn constants(batch: &Batch, own: &OwnData) -> Vec<(&'static str, u32)> {
+    uniforms::constants(batch).chain(own.constants.iter().copied()).collect()
 }
 
 /// The tiles of a dispatch: a kernel asks for their number, so the binding ends with the last one.
@@ -365,7 +365,7 @@ impl GpuExecutor {
                 bytemuck::cast_slice(&batch.instances),
             )?,
             own_buffers,
-            constants: constants(&batch.pass, &own),
+            constants: constants(batch, &own),
         })
     }
 

@@ -124,8 +124,15 @@ impl GpuPlanes {
                 |(number, (_, extent)): (usize, &(_, Option<_>))| u32::from(extent.is_some()) << number;
             let mirrored = bound.iter().enumerate().map(is_mirrored).sum();
             let mut own = node.step.data(&rect, inputs.len());
-            own.constants.push(("MIRRORED_INPUTS", mirrored));
-            dispatch(gpu, encoder, stem, &own, &uniform, [first, second, third, fourth, &plane.buffer])?;
+            let [along_x, along_z] = node.step.at_once();
+            own.constants.extend([
+                ("MIRRORED_INPUTS", mirrored),
+                ("AT_ONCE_ALONG_X", along_x),
+                ("AT_ONCE_ALONG_Z", along_z),
+            ]);
+            let buffers = [first, second, third, fourth, &plane.buffer];
+            let invocations = [rect.width().div_ceil(along_x), rect.depth().div_ceil(along_z)];
+            dispatch(gpu, encoder, stem, &own, &uniform, buffers, invocations)?;
         }
         if let Some(nothing) = nothing {
             self.give_back(nothing);
@@ -141,6 +148,7 @@ fn dispatch(
     own: &OwnData,
     uniform: &StepUniform,
     planes: [&wgpu::Buffer; MAX_INPUTS + 1],
+    invocations: [u32; 2],
 ) -> Result<()> {
     let kernel = gpu.kernel(stem, &own.constants)?;
     let (uniform_usage, storage_usage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
@@ -150,7 +158,7 @@ fn dispatch(
         .chain(own.storage.iter().map(|bytes| small(storage_usage, bytes)))
         .collect::<Result<_, _>>()?;
     let buffers = std::iter::once(&uniform_buffer).chain(planes).chain(&own);
-    let workgroups = uniform.size.map(|samples| samples.div_ceil(WORKGROUP_SIDE));
+    let workgroups = invocations.map(|num| num.div_ceil(WORKGROUP_SIDE));
     kernel.record(gpu, encoder, stem, buffers.map(wgpu::Buffer::as_entire_binding), workgroups);
     Ok(())
 }

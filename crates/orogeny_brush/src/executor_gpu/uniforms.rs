@@ -1,6 +1,6 @@
 //! What a pass is to the kernels: the mirrors of `shaders/driver/`, the constants, and what each kernel has of its own.
 
-use orogeny_field::{CURVE_TABLE_LENGTH, CurveTable, Footprint};
+use orogeny_field::{CURVE_TABLE_LENGTH, CurveTable, FalloffFormula, Footprint, Instance};
 
 use crate::kernels::{
     OwnData, Rule, custom, ledge, level, mask, noise, ramp, range_map, roughen, stamp, terrace,
@@ -51,14 +51,20 @@ pub(super) fn own_data(batch: &Batch) -> OwnData {
 }
 
 /// The constants that a pass's kernel is built with, beside its own.
-pub(super) fn constants(pass: &Pass) -> impl Iterator<Item = (&'static str, u32)> {
+pub(super) fn constants(batch: &Batch) -> impl Iterator<Item = (&'static str, u32)> {
+    let pass = &batch.pass;
     let of_pass = [("IS_GATED", u32::from(pass.gate.is_some())), ("IS_MASK", u32::from(pass.is_mask))];
-    footprint_constants(&pass.footprint).into_iter().chain(of_pass)
+    footprint_constants(&pass.footprint, &batch.instances).into_iter().chain(of_pass)
 }
 
 /// The constants by which instances cover samples.
-pub(super) fn footprint_constants(footprint: &Footprint) -> [(&'static str, u32); 4] {
+pub(super) fn footprint_constants(footprint: &Footprint, instances: &[Instance]) -> [(&'static str, u32); 5] {
+    // A fill: how far a sample is away is a third of what a software driver does for it.
+    let is_everywhere = footprint.falloff.formula == FalloffFormula::HardEdge
+        && !footprint.is_segment
+        && instances.iter().all(|instance| instance.inverse_radius == 0.0);
     [
+        ("IS_EVERYWHERE", u32::from(is_everywhere)),
         ("FALLOFF_FORMULA", footprint.falloff.formula as u32),
         ("WEIGHT_MODE", footprint.weight_mode as u32),
         ("IS_SEGMENT", u32::from(footprint.is_segment)),

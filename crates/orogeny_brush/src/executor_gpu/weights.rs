@@ -63,8 +63,10 @@ impl GpuExecutor {
             plane.buffer.as_entire_binding(),
         ];
         let is_gated = ("IS_GATED", u32::from(gate.is_some()));
-        let constants: Vec<_> =
-            uniforms::footprint_constants(&weights.footprint).into_iter().chain([is_gated]).collect();
+        let constants: Vec<_> = uniforms::footprint_constants(&weights.footprint, &weights.instances)
+            .into_iter()
+            .chain([is_gated])
+            .collect();
         let kernel = self.gpu.kernel(STEM, &constants)?;
         kernel.record(&self.gpu, encoder, STEM, resources, workgroups(&self.gpu, &list));
         if let Some(gate) = gate {

@@ -289,6 +289,10 @@ impl OwnData {
         Self { uniforms: vec![bytemuck::bytes_of(uniform).to_vec()], ..Self::default() }
     }
 
+    pub(crate) fn storage(bytes: &[u8]) -> Self {
+        Self { storage: vec![bytes.to_vec()], ..Self::default() }
+    }
+
     pub(crate) fn with_constants(mut self, constants: &[(&'static str, u32)]) -> Self {
         self.constants.extend(constants);
         self

@@ -81,6 +81,17 @@ impl Step {
         }
     }
 
+    /// Samples along x and z that an invocation of its kernel makes: four, where those beside one another read much the same.
+    pub(crate) const fn at_once(&self) -> [u32; 2] {
+        match self {
+            Self::Convolve { axis: Axis::Z, .. } | Self::Interpolate { axis: Axis::Z, .. } => [1, 4],
+            Self::Convolve { axis: Axis::X, .. }
+            | Self::Interpolate { axis: Axis::X, .. }
+            | Self::Thermal { .. } => [4, 1],
+            _ => [1, 1],
+        }
+    }
+
     /// What its kernel is given beside `num_inputs` planes, to make a rectangle.
     pub(crate) fn data(&self, rect: &SampleRect, num_inputs: usize) -> OwnData {
         match self {
