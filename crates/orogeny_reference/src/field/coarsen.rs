@@ -1,6 +1,10 @@
 //! The next level of a field: the `[1 2 1]² / 16` mean centred on every second sample.
 
+use multiversion::multiversion;
 use orogeny_field::sanitized_height;
+
+/// Samples that are made at once, from columns that are summed before.
+const LANES: usize = 64;
 
 /// One row of the next level from the three rows around its own. Sample `i` of `above` is centred on sample `2 i + 1` of
 /// the rows, so they are one longer than twice as long; what lies beyond the terrain is the caller's to fill with the
@@ -8,13 +12,32 @@ use orogeny_field::sanitized_height;
 ///
 /// Opposite neighbours are added first: so a constant comes back exactly, whatever its bits, and mirroring the rows mirrors
 /// the result.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
 pub fn row(above: &mut [f32], north: &[f32], centre: &[f32], south: &[f32]) {
-    let around = north.windows(3).zip(centre.windows(3)).zip(south.windows(3)).step_by(2);
-    for (above, ((north, centre), south)) in above.iter_mut().zip(around) {
-        if let ([n0, n1, n2], [c0, c1, c2], [s0, s1, s2]) = (north, centre, south) {
-            let column = |north: &f32, centre: &f32, south: &f32| (north + south) + (centre + centre);
-            let (west, middle, east) = (column(n0, c0, s0), column(n1, c1, s1), column(n2, c2, s2));
-            *above = sanitized_height(((west + east) + (middle + middle)) * 0.0625);
+    let mut columns = [0.0; 2 * LANES + 1];
+    for (part, above) in above.chunks_mut(LANES).enumerate() {
+        let rows = [north, centre, south].map(|row| row.get(2 * LANES * part..).unwrap_or_default());
+        let [north, centre, south] = rows;
+        for (column, ((north, centre), south)) in columns.iter_mut().zip(north.iter().zip(centre).zip(south))
+        {
+            *column = (north + south) + (centre + centre);
+        }
+        // Even and odd ones apart, so that the sums are of values side by side.
+        let (mut even, mut odd) = ([0.0; LANES + 1], [0.0; LANES]);
+        for ((even, odd), [west, middle]) in even.iter_mut().zip(&mut odd).zip(columns.as_chunks::<2>().0) {
+            (*even, *odd) = (*west, *middle);
+        }
+        if let (Some(even), Some(column)) = (even.last_mut(), columns.last()) {
+            *even = *column;
+        }
+        let mut means = [0.0; LANES];
+        if let (Some(west), Some(east)) = (even.first_chunk::<LANES>(), even.last_chunk::<LANES>()) {
+            for (((mean, west), middle), east) in means.iter_mut().zip(west).zip(&odd).zip(east) {
+                *mean = sanitized_height(((west + east) + (middle + middle)) * 0.0625);
+            }
+        }
+        for (above, mean) in above.iter_mut().zip(means) {
+            *above = mean;
         }
     }
 }
