@@ -22,6 +22,8 @@ Usage: cargo xtask COMMAND
   check                   formatting, shaders, lints, documentation, structure, licences; each step timed
       --only NAME         only this step (repeatable)
       --skip NAME         all but this step (repeatable)
+  instructions            count the instructions of the CPU kernels beside the kept counts
+      --keep              keep these counts
   golden                  draw the golden pictures anew; look at what changed before you keep it
   bench [WHAT...]         measure speed: arguments go to tools/benchsuite
   help                    this text
@@ -41,6 +43,11 @@ pub enum Command {
     Demo(Option<PathBuf>),
     /// Run the tests.
     Test(Options),
+    /// Count instructions; keep the counts.
+    Instructions {
+        /// Whether the counts are kept.
+        is_kept: bool,
+    },
     /// Draw the golden pictures anew.
     Golden,
     /// Run the static checks.
@@ -68,6 +75,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> anyhow::Result<Comman
         "run" => Ok(Command::Run(passed_through(&mut parser)?)),
         "bench" => Ok(Command::Bench(passed_through(&mut parser)?)),
         "demo" => demo(parser),
+        "instructions" => instructions(parser),
         "test" => test(parser),
         "check" => check(parser),
         _ => bail!("there is no command `{name}`"),
@@ -89,6 +97,18 @@ fn passed_through(parser: &mut lexopt::Parser) -> anyhow::Result<Vec<OsString>> 
         words.remove(0);
     }
     Ok(words)
+}
+
+fn instructions(mut parser: lexopt::Parser) -> anyhow::Result<Command> {
+    let mut is_kept = false;
+    while let Some(arg) = parser.next()? {
+        match arg {
+            Long("keep") => is_kept = true,
+            Long("help") | Short('h') => return Ok(Command::Help),
+            other => return Err(other.unexpected().into()),
+        }
+    }
+    Ok(Command::Instructions { is_kept })
 }
 
 fn demo(mut parser: lexopt::Parser) -> anyhow::Result<Command> {
@@ -144,7 +164,7 @@ mod tests {
 
     #[test]
     fn every_command_is_in_the_help() {
-        for name in ["setup", "demo", "run", "test", "check", "bench", "help"] {
+        for name in ["setup", "demo", "run", "test", "check", "bench", "instructions", "help"] {
             assert!(parsed(name).is_ok(), "{name}");
             assert!(HELP.lines().any(|line| line.trim_start().starts_with(name)), "{name}");
         }

@@ -36,12 +36,13 @@ struct Step {
 }
 
 /// In running order: the quick ones first.
-const STEPS: [Step; 6] = [
+const STEPS: [Step; 7] = [
     Step { name: "fmt", run: fmt },
     Step { name: "shaders", run: shaders },
     Step { name: "clippy", run: clippy },
     Step { name: "docs", run: docs },
     Step { name: "structure", run: structure },
+    Step { name: "instructions", run: instructions },
     Step { name: "deny", run: deny },
 ];
 
@@ -99,9 +100,9 @@ fn select<'a>(steps: &'a [Step], selection: &Selection) -> anyhow::Result<Vec<&'
 fn summary_line(name: &str, outcome: Outcome, duration: Duration) -> String {
     let seconds = duration.as_secs_f64();
     match outcome {
-        Outcome::Passed => format!("  {name:<10} passed   {seconds:7.1} s"),
-        Outcome::Failed => format!("  {name:<10} FAILED   {seconds:7.1} s"),
-        Outcome::Skipped(why) => format!("  {name:<10} SKIPPED  {seconds:7.1} s  ({why})"),
+        Outcome::Passed => format!("  {name:<12} passed   {seconds:7.1} s"),
+        Outcome::Failed => format!("  {name:<12} FAILED   {seconds:7.1} s"),
+        Outcome::Skipped(why) => format!("  {name:<12} SKIPPED  {seconds:7.1} s  ({why})"),
     }
 }
 
@@ -131,6 +132,16 @@ fn docs() -> anyhow::Result<Outcome> {
 /// The layers, the stage stems and the files' shape: `tests/structure`.
 fn structure() -> anyhow::Result<Outcome> {
     outcome_of(&mut cargo(["test", "--workspace", "--test", "structure"]))
+}
+
+/// What each CPU kernel costs: `tools/instructions`.
+fn instructions() -> anyhow::Result<Outcome> {
+    use crate::instructions::Outcome as Counted;
+    Ok(match crate::instructions::compare()? {
+        Counted::Same => Outcome::Passed,
+        Counted::Different => Outcome::Failed,
+        Counted::NotCounted(why) => Outcome::Skipped(why),
+    })
 }
 
 fn deny() -> anyhow::Result<Outcome> {
@@ -172,8 +183,8 @@ mod tests {
     #[test]
     fn the_summary_cannot_be_misread() {
         let line = |outcome| summary_line("deny", outcome, Duration::from_millis(1250));
-        assert_eq!(line(Outcome::Passed), "  deny       passed       1.2 s");
-        assert_eq!(line(Outcome::Failed), "  deny       FAILED       1.2 s");
-        assert_eq!(line(Outcome::Skipped("absent")), "  deny       SKIPPED      1.2 s  (absent)");
+        assert_eq!(line(Outcome::Passed), "  deny         passed       1.2 s");
+        assert_eq!(line(Outcome::Failed), "  deny         FAILED       1.2 s");
+        assert_eq!(line(Outcome::Skipped("absent")), "  deny         SKIPPED      1.2 s  (absent)");
     }
 }

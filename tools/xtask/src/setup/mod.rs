@@ -92,3 +92,15 @@ pub const fn python(_is_long: bool) -> Option<std::path::PathBuf> {
 /// Tests that need other programs run on Linux only.
 #[cfg(not(target_os = "linux"))]
 pub const fn test_tools() {}
+
+/// Sees to valgrind, and says whether it is there.
+#[cfg(target_os = "linux")]
+pub fn valgrind() -> bool {
+    test_tools::valgrind()
+}
+
+/// Counting instructions needs valgrind, which is at home on Linux.
+#[cfg(not(target_os = "linux"))]
+pub const fn valgrind() -> bool {
+    false
+}

@@ -20,19 +20,37 @@ const TOOLS: [Tool; 4] = [
     Tool { program: "chromium", asked_by: "--version", package: "chromium" },
 ];
 
+const VALGRIND: Tool = Tool { program: "valgrind", asked_by: "--version", package: "valgrind" };
+
 /// See [`super::test_tools()`].
 pub fn test_tools() {
-    for Tool { program, asked_by, package } in TOOLS {
-        let is_there = || succeeds(Command::new(program).arg(asked_by));
-        let by_other_means = format!("{program} with this system's package manager");
-        let install = || apt::install(&[package], &by_other_means);
-        println!("test tools: {}", ensure(program, is_there, install));
+    for tool in TOOLS {
+        println!("test tools: {}", tool.ensure("the tests that need it"));
+    }
+}
+
+/// See [`super::valgrind()`].
+pub fn valgrind() -> bool {
+    println!("test tools: {}", VALGRIND.ensure("the counting of instructions"));
+    VALGRIND.is_there()
+}
+
+impl Tool {
+    fn is_there(&self) -> bool {
+        succeeds(Command::new(self.program).arg(self.asked_by))
+    }
+
+    fn ensure(&self, what_skips: &str) -> String {
+        let by_other_means = format!("{} with this system's package manager", self.program);
+        let install = || apt::install(&[self.package], &by_other_means);
+        ensure(self.program, what_skips, || self.is_there(), install)
     }
 }
 
 /// Installs what is not there, and says what came of it: without it tests skip themselves, so nothing fails here.
 fn ensure(
     program: &str,
+    what_skips: &str,
     is_there: impl Fn() -> bool,
     install: impl FnOnce() -> anyhow::Result<()>,
 ) -> String {
@@ -42,8 +60,8 @@ fn ensure(
     println!("test tools: {program} is missing");
     match install() {
         Ok(()) if is_there() => format!("{program} is installed"),
-        Ok(()) => format!("{program} is installed, but does not run: the tests that need it will skip"),
-        Err(err) => format!("the tests that need {program} will skip: {err}"),
+        Ok(()) => format!("{program} is installed, but does not run: {what_skips} will skip"),
+        Err(err) => format!("{program} cannot be installed, so {what_skips} will skip: {err}"),
     }
 }
 
@@ -59,6 +77,7 @@ mod tests {
             let is_there = Cell::new(is_there);
             ensure(
                 "strace",
+                "its tests",
                 || is_there.get(),
                 || {
                     is_there.set(works);
@@ -70,6 +89,6 @@ mod tests {
         assert_eq!(installs(false, true), "strace is installed");
         let failed = installs(false, false);
         assert!(failed.contains("will skip") && failed.contains("no right"), "{failed}");
-        assert!(ensure("strace", || false, || Ok(())).contains("will skip"));
+        assert!(ensure("strace", "its tests", || false, || Ok(())).contains("will skip"));
     }
 }
