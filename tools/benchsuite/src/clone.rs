@@ -8,7 +8,7 @@ use orogeny_field::{Alignment, Brush, BrushType, CloneBlend, CloneSource, Clonin
 
 use crate::fill::Fill;
 use crate::measure::{Times, thread_counts};
-use crate::opencv;
+use crate::python;
 use crate::report::{Figure, Report, Unit};
 
 const SIDE: u64 = 4096;
@@ -16,7 +16,7 @@ const NUM_SAMPLES: f64 = (SIDE * SIDE) as f64;
 const NUM_LEVELS: u32 = 6;
 
 pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
-    let python = opencv::python(report);
+    let python = python::interpreter(report);
     let rough = Brush::new(BrushType::Roughen, 1.0, 100.0);
     for num_threads in thread_counts()? {
         let mut limit = None;
@@ -93,5 +93,5 @@ start = time.perf_counter()
 blend()
 print(time.perf_counter() - start)
 ";
-    opencv::seconds(python, PROGRAM, &[SIDE.to_string(), num_threads.to_string(), NUM_LEVELS.to_string()])
+    python::seconds(python, PROGRAM, &[SIDE.to_string(), num_threads.to_string(), NUM_LEVELS.to_string()])
 }

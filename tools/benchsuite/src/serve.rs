@@ -74,9 +74,7 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
         ("points to page frame, radius 64, of eight", &among),
     ] {
         report.add(Figure::time(format!("serve {name}"), times));
-        let mut slow = Times::default();
-        slow.add(times.percentile_s(0.99));
-        report.add(Figure::time(format!("serve {name}, 99th percentile"), &slow));
+        report.add(Figure::percentile(format!("serve {name}, 99th percentile"), times, 0.99));
     }
     report.add(Figure::ratio(
         "serve points to page frame, of a bare message".to_owned(),

@@ -9,7 +9,7 @@ use orogeny_field::{Brush, BrushType, Smoothing};
 use crate::adapter;
 use crate::fill::Fill;
 use crate::measure::{Times, thread_counts};
-use crate::opencv;
+use crate::python;
 use crate::report::{Figure, Report, Unit};
 
 const SIDE: u64 = 4096;
@@ -22,7 +22,7 @@ const SIGMAS: [f64; 4] = [8.0 / 3.0, 32.0 / 3.0, 128.0 / 3.0, 256.0];
 const MAX_OPENCV_SIGMA: f64 = 128.0 / 3.0;
 
 pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
-    let python = opencv::python(report);
+    let python = python::interpreter(report);
     let rough = Brush::new(BrushType::Roughen, 1.0, 100.0);
     for num_threads in thread_counts()? {
         for sigma in SIGMAS {
@@ -83,5 +83,5 @@ for work in (lambda: cv2.GaussianBlur(field, window, sigma, dst=target), lambda:
     work()
     print(time.perf_counter() - start)
 ";
-    opencv::seconds(python, PROGRAM, &[SIDE.to_string(), sigma.to_string(), num_threads.to_string()])
+    python::seconds(python, PROGRAM, &[SIDE.to_string(), sigma.to_string(), num_threads.to_string()])
 }

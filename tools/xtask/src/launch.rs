@@ -36,13 +36,17 @@ pub fn demo(folder: Option<PathBuf>) -> anyhow::Result<ExitCode> {
     run_release("orogeny", &["demo".into(), folder.into()])
 }
 
-/// Builds and runs the benchmark suite with these arguments.
+/// Builds and runs the benchmark suite with these arguments, beside libraries in a Python of xtask's own unless `OROGENY_BENCH_PYTHON`
+/// names another.
 ///
 /// # Errors
 ///
 /// Cargo cannot be started.
 pub fn bench(bench_args: &[OsString]) -> anyhow::Result<ExitCode> {
-    run_release("benchsuite", bench_args)
+    const PYTHON: &str = "OROGENY_BENCH_PYTHON";
+    let is_measured = !bench_args.iter().any(|arg| arg == "--document");
+    let python = if is_measured && std::env::var_os(PYTHON).is_none() { setup::bench_python() } else { None };
+    run_release_with("benchsuite", bench_args, python.map(|python| (PYTHON, python)))
 }
 
 /// Draws the golden pictures anew, in the place of those in `tests/golden/pictures`.
@@ -69,8 +73,17 @@ fn give_runtime_folder(command: &mut Command) -> anyhow::Result<()> {
 }
 
 fn run_release(package: &str, args: &[OsString]) -> anyhow::Result<ExitCode> {
+    run_release_with(package, args, None)
+}
+
+fn run_release_with(
+    package: &str,
+    args: &[OsString],
+    variable: Option<(&str, PathBuf)>,
+) -> anyhow::Result<ExitCode> {
     let mut command = cargo(["run", "--quiet", "--release", "--manifest-path"]);
     command.arg(workspace_root().join("Cargo.toml")).args(["--package", package, "--"]).args(args);
+    command.envs(variable);
     give_runtime_folder(&mut command)?;
     if let Ok(folder) = std::env::current_dir() {
         command.current_dir(folder); // paths in the arguments are the user's

@@ -83,6 +83,19 @@ pub fn python(is_long: bool) -> Option<std::path::PathBuf> {
     python::python(is_long)
 }
 
+/// Sees to a Python with the libraries that benchmarks run beside, and gives it; without it their rows are left out: that is told and no
+/// failure.
+#[cfg(target_os = "linux")]
+pub fn bench_python() -> Option<std::path::PathBuf> {
+    python::bench_python()
+}
+
+/// Elsewhere it is the user's to give.
+#[cfg(not(target_os = "linux"))]
+pub const fn bench_python() -> Option<std::path::PathBuf> {
+    None
+}
+
 /// Tests that need other programs run on Linux only.
 #[cfg(not(target_os = "linux"))]
 pub const fn python(_is_long: bool) -> Option<std::path::PathBuf> {

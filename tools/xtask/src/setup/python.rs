@@ -1,4 +1,5 @@
-//! A Python of its own, with what the service's clients and their tests work by. Tests whose modules are not there skip themselves.
+//! Pythons of their own: one with what the service's clients and their tests work by, where tests whose modules are not there skip
+//! themselves; one with the libraries that benchmarks run beside.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -6,8 +7,10 @@ use std::process::Command;
 use super::apt;
 use crate::cargo::{scratch_folder, status, succeeds};
 
-/// Packages, and the module by which each is known to be there.
-const PACKAGES: [(&str, &str); 9] = [
+/// A package, and the module by which it is known to be there.
+type Package = (&'static str, &'static str);
+
+const OF_CLIENTS: [Package; 9] = [
     ("numpy", "numpy"),
     ("httpx", "httpx"),
     ("websockets", "websockets"),
@@ -20,13 +23,23 @@ const PACKAGES: [(&str, &str); 9] = [
 ];
 
 /// Blender as a module: 350 MB, for the long tests alone.
-const BLENDER: (&str, &str) = ("bpy", "bpy");
+const BLENDER: Package = ("bpy", "bpy");
+
+/// What a user would take instead: filters and pyramids, pictures, rasters.
+const OF_BENCHMARKS: [Package; 4] =
+    [("numpy", "numpy"), ("opencv-python-headless", "cv2"), ("pillow", "PIL"), ("rasterio", "rasterio")];
 
 /// See [`super::python()`].
 pub fn python(is_long: bool) -> Option<PathBuf> {
-    match make(is_long) {
+    match make("python", &OF_CLIENTS) {
         Ok((python, said)) => {
             println!("test tools: Python for the service's clients {said}");
+            if is_long
+                && !has(&python, BLENDER)
+                && !install(&python, &[BLENDER.0]).is_ok_and(|is_there| is_there)
+            {
+                println!("test tools: the tests of the Blender add-on will skip: pip could not install bpy");
+            }
             Some(python)
         }
         Err(err) => {
@@ -36,21 +49,36 @@ pub fn python(is_long: bool) -> Option<PathBuf> {
     }
 }
 
-fn make(is_long: bool) -> anyhow::Result<(PathBuf, &'static str)> {
-    let folder = scratch_folder()?.join("python");
+/// See [`super::bench_python()`].
+pub fn bench_python() -> Option<PathBuf> {
+    match make("bench-python", &OF_BENCHMARKS) {
+        Ok((python, said)) => {
+            println!("benchmarks: Python with OpenCV, Pillow and GDAL {said}");
+            Some(python)
+        }
+        Err(err) => {
+            println!("benchmarks: nothing of Python's will be measured: {err:#}");
+            None
+        }
+    }
+}
+
+fn has(python: &Path, (_, module): Package) -> bool {
+    succeeds(Command::new(python).args(["-c", &format!("import {module}")]))
+}
+
+/// An environment with packages, made where it is not there.
+fn make(name: &str, packages: &[Package]) -> anyhow::Result<(PathBuf, &'static str)> {
+    let folder = scratch_folder()?.join(name);
     let python = folder.join("bin/python");
-    let has = |module: &str| succeeds(Command::new(&python).args(["-c", &format!("import {module}")]));
-    let is_complete = PACKAGES.iter().all(|(_, module)| has(module));
+    let is_complete = packages.iter().all(|package| has(&python, *package));
     if !is_complete {
         if !python.exists() && !make_environment(&folder)? {
             apt::install(&["python3-venv"], "Python's venv with this system's package manager")?;
             anyhow::ensure!(make_environment(&folder)?, "`python3 -m venv` failed");
         }
-        let packages = PACKAGES.map(|(package, _)| package);
+        let packages: Vec<_> = packages.iter().map(|(package, _)| *package).collect();
         anyhow::ensure!(install(&python, &packages)?, "pip could not install {}", packages.join(", "));
-    }
-    if is_long && !has(BLENDER.1) && !install(&python, &[BLENDER.0])? {
-        println!("test tools: the tests of the Blender add-on will skip: pip could not install bpy");
     }
     Ok((python, if is_complete { "is there" } else { "is made" }))
 }
