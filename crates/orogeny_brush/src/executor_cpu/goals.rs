@@ -21,7 +21,7 @@ impl CpuExecutor {
     ) -> Result<()> {
         let mut regions = std::mem::take(&mut self.regions);
         let load = |field, rect| self.gather(Plane::constant(rect, 0.0), field, false, store);
-        regions.work_out(&filter.graph, load, watch)?;
+        regions.work_out(&filter.graph, Some(&self.threads), load, watch)?;
         self.regions = regions;
         let blocks = filter::blocks(self.layout, &batch.pages, &filter.graph);
         // What is made of the ground as it is now is made for all blocks before it changes in any.

@@ -30,6 +30,9 @@ use working_page::{Gating, Wash, WorkingPage, has_pattern, num_held_for};
 /// Pages that are copied and saved at once at the end: bounds the copies to 8 MiB.
 const SAVE_PAGES: usize = 32;
 
+/// Samples times instances that take about as long as a thread takes to wake up, 50 µs.
+const LITTLE_SAMPLES: u64 = 1 << 16;
+
 /// Applies batches on the CPU.
 pub struct CpuExecutor {
     layout: PageLayout,
@@ -189,9 +192,12 @@ impl CpuExecutor {
                 tasks.push((work, self.ready(&work.key, here, &batch.pass, store)?));
             }
             let layout = self.layout;
-            let num_clamped: u64 = self.threads.install(|| {
-                tasks.par_iter_mut().map(|(work, page)| page.apply(batch, work, goal, layout)).sum()
-            });
+            let apply = |(work, page): &mut (&PageWork, WorkingPage)| page.apply(batch, work, goal, layout);
+            let num_clamped: u64 = if is_little(&batch.pass.rule, works) {
+                tasks.iter_mut().map(apply).sum()
+            } else {
+                self.threads.install(|| tasks.par_iter_mut().map(apply).sum())
+            };
             self.notices.num_clamped_heights += num_clamped;
             for (work, page) in tasks {
                 self.dirty.insert(work.key);
@@ -219,6 +225,17 @@ impl CpuExecutor {
         // Memory of planes is kept for the next operation as far as the pages leave room for it.
         self.planes.shrink_to(self.room_in_bytes(0));
     }
+}
+
+/// Whether pages are worked out sooner here than other threads wake up.
+fn is_little(rule: &Rule, works: &[PageWork]) -> bool {
+    let num_samples: u64 = works.iter().map(|work| work.rect.area() * work.instances.len() as u64).sum();
+    let limit = match rule {
+        // A sample of it takes as long as some twenty of other brushes.
+        Rule::Noise(_) => LITTLE_SAMPLES / 16,
+        _ => LITTLE_SAMPLES,
+    };
+    num_samples <= limit
 }
 
 impl Executor for CpuExecutor {

@@ -27,7 +27,7 @@ impl GpuExecutor {
     ) -> Result<()> {
         // Where nothing of it is known yet, no page of the operation has changed.
         let load = |field, rect| load_before(field, rect, store);
-        self.regions.work_out(&filter.graph, load, watch)?;
+        self.regions.work_out(&filter.graph, None, load, watch)?;
         let blocks = filter::blocks(self.layout, &batch.pages, &filter.graph);
         // What is made of the ground as it is now is made for all blocks before it changes in any.
         let num_at_once = if filter.is_sequential { blocks.len().max(1) } else { 1 };

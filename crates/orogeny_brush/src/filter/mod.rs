@@ -13,6 +13,7 @@ pub mod kernels;
 mod lattice;
 mod pyramid;
 pub(crate) mod region;
+mod rounds;
 mod step;
 mod weights;
 

@@ -19,7 +19,7 @@ use orogeny_reference::field::droplets;
 use orogeny_reference::field::fill_pits::fill_pits;
 use orogeny_reference::field::flow::{flow, flow_mask};
 
-use super::{Filter, Graph, Step};
+use super::{Filter, Graph, Step, rounds};
 use crate::canvas::Canvas;
 use crate::execute::Watch;
 use crate::{Error, Result};
@@ -120,7 +120,12 @@ impl RegionKernel {
     ///
     /// # Errors
     /// [`Error::Interrupted`] where the watch says not to go on.
-    fn work_out(&self, mut heights: Plane, watch: Watch<'_>) -> Result<Plane> {
+    fn work_out(
+        &self,
+        mut heights: Plane,
+        threads: Option<&rayon::ThreadPool>,
+        watch: Watch<'_>,
+    ) -> Result<Plane> {
         // A damaged page may hold what is no height.
         for height in heights.samples_mut().iter_mut().filter(|height| !height.is_finite()) {
             *height = sanitized_height(*height);
@@ -133,7 +138,12 @@ impl RegionKernel {
                     heights = flow_mask(&flow(&heights, *routing), *spacing_m, mask);
                 }
                 RegionRule::Droplets { kernel, num_droplets } => {
-                    goes_on = droplets::run_while(&mut heights, kernel, *num_droplets, 0, &mut *watch);
+                    goes_on = match threads {
+                        Some(threads) => {
+                            rounds::run_while(&mut heights, kernel, *num_droplets, threads, &mut *watch)
+                        }
+                        None => droplets::run_while(&mut heights, kernel, *num_droplets, 0, &mut *watch),
+                    };
                 }
             }
         }
@@ -148,13 +158,14 @@ pub(crate) struct Regions {
 }
 
 impl Regions {
-    /// Works out what a graph has of regions, unless that is known; `load` gives the heights of a rectangle before the operation.
+    /// Works out what a graph has of regions, unless that is known, on these threads or on the one that asks; `load` gives the heights of a rectangle before the operation.
     ///
     /// # Errors
     /// What `load` says; [`Error::Interrupted`] where the watch says not to go on.
     pub(crate) fn work_out(
         &mut self,
         graph: &Graph,
+        threads: Option<&rayon::ThreadPool>,
         mut load: impl FnMut(FieldId, SampleRect) -> Result<Plane>,
         watch: Watch<'_>,
     ) -> Result<()> {
@@ -164,7 +175,7 @@ impl Regions {
                 && self.plane(kernel).is_none()
             {
                 let heights = load(kernel.heights, kernel.rect)?;
-                self.known.push((Arc::clone(kernel), kernel.work_out(heights, watch)?));
+                self.known.push((Arc::clone(kernel), kernel.work_out(heights, threads, watch)?));
             }
         }
         Ok(())
