@@ -159,8 +159,10 @@ impl Window {
             self.session.push_points(ticket, vec![PointerSample::at(x, 2000.0)]);
             let (mut is_changed, mut is_painted) = (false, None);
             // Of the first point nothing is seen before the second one comes: a hand may rest.
-            let is_seen = point > 1;
-            while is_seen {
+            if point <= 1 {
+                continue;
+            }
+            loop {
                 ensure!(start.elapsed() < WAIT, "nothing is painted");
                 _ = self.woken.recv_timeout(Duration::from_millis(5));
                 let told = self.take()?;
