@@ -9,8 +9,6 @@ use rayon::prelude::*;
 
 /// Sums of changes take at most so much memory beside the first, which is always there.
 const MAX_SUMS_IN_BYTES: u64 = 1 << 29;
-/// Droplets that take about as long as it takes a thread to wake up.
-const FEW_DROPLETS: u32 = 16;
 
 /// Runs `num_droplets` over a plane in rounds, from the first on, with a look before each at whether to go on, given the share of the
 /// droplets that have run; whether all of them have.
@@ -31,23 +29,15 @@ pub(super) fn run_while(
             return false;
         }
         let count = left.min(per_round);
-        if count <= FEW_DROPLETS {
-            if let Some(sums) = sums.first_mut() {
-                trace(0..count, round, heights, &bounds, kernel, sums);
-            }
-            settle(heights, &mut sums);
-        } else {
-            threads.install(|| {
-                let share = count.div_ceil(num_sums as u32);
-                let shares = (0..count).step_by(share as usize).map(|first| first..count.min(first + share));
-                let ground = &*heights;
-                let tasks: Vec<_> = shares.zip(&mut sums).collect();
-                tasks
-                    .into_par_iter()
-                    .for_each(|(droplets, sums)| trace(droplets, round, ground, &bounds, kernel, sums));
-                settle(heights, &mut sums);
+        let share = count.div_ceil(num_sums as u32);
+        threads.install(|| {
+            let firsts: Vec<_> = (0..count).step_by(share as usize).collect();
+            let ground = &*heights;
+            firsts.into_par_iter().zip(&mut sums).for_each(|(first, sums)| {
+                trace(first..count.min(first + share), round, ground, &bounds, kernel, sums);
             });
-        }
+            settle(heights, &mut sums);
+        });
         (left, round) = (left - count, round.wrapping_add(1));
     }
     true
@@ -113,7 +103,7 @@ mod tests {
         }
         let kernel = DropletKernel::new("erode", &Droplets::default(), 4.0).unwrap();
         let per_round = DropletKernel::droplets_per_round(rect.area());
-        for num_droplets in [1, FEW_DROPLETS, FEW_DROPLETS + 1, per_round, 3 * per_round + 5] {
+        for num_droplets in [1, 16, 17, per_round, 3 * per_round + 5] {
             let mut expected = ground.clone();
             droplets::run(&mut expected, &kernel, num_droplets, 0);
             assert_ne!(expected, ground);
