@@ -56,35 +56,31 @@ fn update_sample(sample: vec2<i32>) {
     let place = select(sample.x, sample.y, AXIS == 1u) * STRIDE;
     let centre = values_at(line, place);
     var value = centre;
-    // What lies a step nearer on each side, and a stride nearer: three of the next four.
+    // What lies one step nearer on each side, and two: that which lies a stride nearer has three of the next four.
     var before = centre;
     var after = centre;
-    var before_stride = centre;
-    var after_stride = centre;
+    var before_last = centre;
+    var after_last = centre;
     if STRIDE == 2 {
-        before_stride = values_at(line, place + 1);
-        after_stride = vec4<f32>(value_at(line, place - 1), before_stride.xyz);
+        before_last = values_at(line, place + 1);
+        after_last = vec4<f32>(value_at(line, place - 1), before_last.xyz);
     }
     for (var k = 0u; k < NUM_WEIGHTS; k++) {
         let away = i32(k) + 1;
         var next_before: vec4<f32>;
         var next_after: vec4<f32>;
         if STRIDE <= 2 {
-            next_before = vec4<f32>(value_at(line, place - away), before_stride.xyz);
-            next_after = vec4<f32>(after_stride.yzw, value_at(line, place + 3 * STRIDE + away));
+            next_before = vec4<f32>(value_at(line, place - away), select(before, before_last, STRIDE == 2).xyz);
+            next_after = vec4<f32>(select(after, after_last, STRIDE == 2).yzw, value_at(line, place + 3 * STRIDE + away));
         } else {
             next_before = values_at(line, place - away);
             next_after = values_at(line, place + away);
         }
         value += weights[k] * ((next_before - centre) + (next_after - centre));
-        before_stride = next_before;
-        after_stride = next_after;
-        if STRIDE == 2 {
-            before_stride = before;
-            after_stride = after;
-            before = next_before;
-            after = next_after;
-        }
+        before_last = before;
+        after_last = after;
+        before = next_before;
+        after = next_after;
     }
     store_four(0u, sample, select(vec2<i32>(1, 0), vec2<i32>(0, 1), AXIS == 1u), value);
 }
