@@ -1,23 +1,26 @@
-//! `curves`: how cost grows, as series that `--plot` draws: of an instance by its radius, of a stroke by the terrain's size and by how many
+//! `curves`: how cost grows, as series that `--document` draws: of an instance by its radius, of a stroke by the terrain's size and by how many
 //! pages are resident, of noise by its octaves. Strokes by the length of the history are `terrain`'s.
 //!
 //! All through the CPU back end on all cores. Cost by radius should grow as its square once a page is small beside it; cost by terrain and by
 //! resident pages should not grow at all.
 
 use anyhow::Result;
-use orogeny_brush::{Batch, Canvas, CpuExecutor, Executor, Resources, StrokePlanner};
+use orogeny_brush::{CpuExecutor, Executor};
 use orogeny_engine::{Adapter, Operation, Quiet, Settings, Terrain};
 use orogeny_field::noise::{Noise, Normalization};
-use orogeny_field::{Brush, BrushType, FieldId, PageLayout, PointerSample, Smoothing, TerrainGrid};
+use orogeny_field::{Brush, BrushType, PageLayout, Smoothing, TerrainGrid};
 use orogeny_pages::MemoryPages;
 
+use crate::dab::{dab, make_resident};
 use crate::fill::Fill;
 use crate::measure::{Spread, Times};
 use crate::report::{Report, Series, Unit};
 use crate::stores::scratch_folder;
 
 /// A terrain on which an instance of the widest radius lies whole: 512 MiB of heights.
-const TERRAIN: (u64, u64) = (16_384, 8_192);
+const TERRAIN: [u64; 2] = [16_384, 8_192];
+/// About its middle, off the grid of samples.
+const PLACE_M: [f64; 2] = [8192.3, 4096.7];
 const BUDGET_IN_BYTES: u64 = 2 << 30;
 const RADII: [f64; 10] = [8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0, 4096.0];
 const SIDES: [u64; 6] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20];
@@ -47,12 +50,11 @@ fn brushes(radius: f64) -> [(&'static str, Brush); 3] {
 fn by_radius(report: &mut Report, repeat: usize) -> Result<()> {
     let mut executor = CpuExecutor::new(PageLayout::default(), BUDGET_IN_BYTES, None)?;
     let mut pages = MemoryPages::new(PageLayout::default(), 100.0);
-    let everything = Brush { falloff_m: 0.0, ..Brush::new(BrushType::Raise, TERRAIN.0 as f64, 1.0) };
-    executor.run(&dab(&everything)?, &mut pages)?;
+    make_resident(&mut executor, &mut pages, TERRAIN)?;
     let mut cases = Vec::new();
     for radius in RADII {
         for (name, brush) in brushes(radius) {
-            cases.push((name, radius, dab(&brush)?, Times::default()));
+            cases.push((name, radius, dab(&brush, TERRAIN, PLACE_M)?, Times::default()));
         }
     }
     for _ in 0..repeat {
@@ -68,17 +70,6 @@ fn by_radius(report: &mut Report, repeat: usize) -> Result<()> {
         report.plot(Series::new("instance by radius", name, "radius, samples", Unit::Seconds, points));
     }
     Ok(())
-}
-
-/// An instance in the middle of the terrain, off the grid of samples.
-fn dab(brush: &Brush) -> Result<Batch> {
-    let grid = TerrainGrid::new(TERRAIN.0, TERRAIN.1, 1.0)?;
-    let canvas = Canvas::heights(grid, PageLayout::default(), FieldId(0));
-    let mut planner = StrokePlanner::new(brush, 0, canvas, Resources::default())?;
-    planner.push(&PointerSample::at(TERRAIN.0 as f64 / 2.0 + 0.3, TERRAIN.1 as f64 / 2.0 + 0.7))?;
-    planner.finish();
-    let mut pages = MemoryPages::new(PageLayout::default(), 100.0);
-    planner.next_batch(&mut pages, 1)?.ok_or_else(|| anyhow::anyhow!("the dab lies outside the terrain"))
 }
 
 /// A stroke, 64 samples in radius, and its undoing, each until they are on disk.
@@ -126,17 +117,8 @@ fn by_resident_pages(report: &mut Report, repeat: usize) -> Result<()> {
     for side in RESIDENT_SIDES {
         let mut executor = CpuExecutor::new(layout, BUDGET_IN_BYTES, None)?;
         let mut pages = MemoryPages::new(layout, 100.0);
-        let at = |brush: &Brush| -> Result<Batch> {
-            let canvas = Canvas::heights(TerrainGrid::new(side, side, 1.0)?, layout, FieldId(0));
-            let mut planner = StrokePlanner::new(brush, 0, canvas, Resources::default())?;
-            planner.push(&PointerSample::at(side as f64 / 2.0, side as f64 / 2.0))?;
-            planner.finish();
-            let mut pages = MemoryPages::new(layout, 100.0);
-            planner.next_batch(&mut pages, 1)?.ok_or_else(|| anyhow::anyhow!("the dab lies outside"))
-        };
-        let all = Brush { falloff_m: 0.0, ..Brush::new(BrushType::Raise, side as f64, 1.0) };
-        executor.run(&at(&all)?, &mut pages)?;
-        let batch = at(&Brush::new(BrushType::Raise, 256.0, 1.0))?;
+        make_resident(&mut executor, &mut pages, [side; 2])?;
+        let batch = dab(&Brush::new(BrushType::Raise, 256.0, 1.0), [side; 2], [side as f64 / 2.0; 2])?;
         let mut times = Times::default();
         for _ in 0..repeat * 8 {
             times.measure(|| executor.run(&batch, &mut pages))?;

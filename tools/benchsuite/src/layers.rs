@@ -13,14 +13,13 @@ use orogeny_engine::{
 };
 use tempfile::TempDir;
 
+use crate::bundled::{self, SPACING_M};
 use crate::measure::Times;
 use crate::report::{Figure, Report};
 use crate::stores::scratch_folder;
 
-const BUNDLED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/terrain/frazier_1024_int16.tif");
 /// The tile, in the folder of `OROGENY_DATA`.
 const TILE: &str = "N34W119.hgt.zip";
-const SPACING_M: f64 = 28.0;
 /// Samples from the middle of a stroke to its rim.
 const RADIUS: f64 = 256.0;
 
@@ -119,7 +118,7 @@ fn run_stack(report: &mut Report, repeat: usize, stack_name: &str, operations: &
 
 fn ground(folder: &TempDir, name: &str) -> Result<Terrain> {
     let tile = std::env::var_os("OROGENY_DATA").map(|data| PathBuf::from(data).join(TILE));
-    let file = tile.filter(|tile| tile.exists()).unwrap_or_else(|| Path::new(BUNDLED).to_owned());
+    let file = tile.filter(|tile| tile.exists()).unwrap_or_else(|| Path::new(bundled::FILE).to_owned());
     let options =
         ImportOptions { spacing_m: Some(SPACING_M), nodata: NodataPolicy::Fill, ..ImportOptions::default() };
     let request = ImportRequest { file, options, layer: None, at_m: [0.0, 0.0] };

@@ -8,9 +8,11 @@
 #![expect(clippy::print_stdout, reason = "printing figures is what this program is for")]
 
 mod adapter;
+mod bundled;
 mod clone;
 mod codecs;
 mod curves;
+mod dab;
 mod document;
 mod erode;
 mod files;

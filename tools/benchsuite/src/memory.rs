@@ -5,13 +5,12 @@
 use std::path::Path;
 
 use anyhow::Result;
-use orogeny_engine::{Adapter, ImportOptions, ImportRequest, Operation, Quiet, Settings, Terrain};
+use orogeny_engine::{Operation, Quiet};
 
+use crate::bundled;
 use crate::report::{Figure, Report};
 use crate::stores::scratch_folder;
 
-const TERRAIN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/terrain/frazier_1024_int16.tif");
-const SPACING_M: f64 = 28.0;
 /// In samples.
 const RADII: [f64; 3] = [16.0, 64.0, 128.0];
 const NUM_STROKES: u32 = 8;
@@ -28,7 +27,7 @@ pub fn run(report: &mut Report) -> Result<()> {
     let folder = scratch_folder()?;
     for (name, brush) in BRUSHES {
         for radius in RADII {
-            let mut terrain = ground(&folder.path().join(format!("{name}-{radius}.orogeny")))?;
+            let mut terrain = bundled::terrain(&folder.path().join(format!("{name}-{radius}.orogeny")))?;
             let before = terrain.describe()?.history.size_in_bytes;
             for number in 0..NUM_STROKES {
                 terrain.apply(&[stroke(brush, radius, number)?], &mut Quiet)?;
@@ -48,7 +47,7 @@ pub fn run(report: &mut Report) -> Result<()> {
 }
 
 fn stroke(brush: &str, radius: f64, number: u32) -> Result<Operation> {
-    let (radius_m, side_m) = (radius * SPACING_M, 1024.0 * SPACING_M);
+    let (radius_m, side_m) = (radius * bundled::SPACING_M, bundled::SIDE as f64 * bundled::SPACING_M);
     let inside = |share: f64| radius_m + share.fract() * (side_m - 2.0 * radius_m);
     let (x, z) = (
         inside(f64::from(number) * 0.618_034).min(side_m - 5.0 * radius_m),
@@ -63,23 +62,15 @@ fn stroke(brush: &str, radius: f64, number: u32) -> Result<Operation> {
 
 /// What is counted for each page that a stroke has made resident.
 fn resident(report: &mut Report, path: &Path) -> Result<()> {
-    let mut terrain = ground(path)?;
+    let mut terrain = bundled::terrain(path)?;
     let before = terrain.memory();
     let fill = r#"{"op": "fill", "brush": {"type": "raise", "strength": 1}}"#;
     terrain.apply(&[Operation::from_json_text(fill)?], &mut Quiet)?;
     let after = terrain.memory();
     let side = u64::from(terrain.describe()?.page_size);
-    let num_pages = 1024_u64.div_ceil(side).pow(2);
+    let num_pages = bundled::SIDE.div_ceil(side).pow(2);
     let bytes = after.pages_in_bytes.saturating_sub(before.pages_in_bytes);
     report.add(Figure::size("memory resident page".to_owned(), bytes as f64 / num_pages as f64));
     report.add(Figure::size("memory heights of a page".to_owned(), (side * side * 4) as f64));
     Ok(terrain.close()?)
-}
-
-fn ground(path: &Path) -> Result<Terrain> {
-    let options = ImportOptions { spacing_m: Some(SPACING_M), ..ImportOptions::default() };
-    let request =
-        ImportRequest { file: Path::new(TERRAIN).to_owned(), options, layer: None, at_m: [0.0, 0.0] };
-    let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
-    Ok(Terrain::from_raster(path, &request, settings, &mut Quiet)?.0)
 }

@@ -1,17 +1,18 @@
 //! `raise`: one instance after another on resident pages, against the copy bandwidth of the same threads.
 
 use anyhow::Result;
-use orogeny_brush::{Batch, Canvas, CpuExecutor, Executor, GpuBudget, GpuExecutor, Resources, StrokePlanner};
-use orogeny_field::{Brush, BrushType, FieldId, PageLayout, PointerSample, ProfileShape, TerrainGrid};
+use orogeny_brush::{Batch, CpuExecutor, Executor, GpuBudget, GpuExecutor};
+use orogeny_field::{Brush, BrushType, PageLayout, ProfileShape};
 use orogeny_gpu::{AdapterChoice, Gpu};
 use orogeny_pages::MemoryPages;
 
+use crate::dab::{dab, make_resident};
 use crate::limit::CopyLimit;
 use crate::measure::{Times, thread_counts};
 use crate::report::{Figure, Report};
 
 /// 512 MiB of heights, so that successive instances find their pages in memory and not in a cache.
-const TERRAIN: (u64, u64) = (16_384, 8_192);
+const TERRAIN: [u64; 2] = [16_384, 8_192];
 const RADII: [f64; 4] = [64.0, 256.0, 1000.0, 1024.0];
 const PAGE_BUDGET_IN_BYTES: u64 = 2 << 30;
 
@@ -38,7 +39,7 @@ fn on_cpu(report: &mut Report, repeat: usize, num_threads: usize) -> Result<()> 
     let mut limit = CopyLimit::new();
     let mut executor = CpuExecutor::new(PageLayout::default(), PAGE_BUDGET_IN_BYTES, Some(num_threads))?;
     let mut pages = MemoryPages::new(PageLayout::default(), 100.0);
-    warm(&mut executor, &mut pages)?;
+    make_resident(&mut executor, &mut pages, TERRAIN)?;
     let mut copies = Times::default();
     let mut measured = cases()?;
     for _ in 0..repeat {
@@ -63,7 +64,7 @@ fn on_gpu(report: &mut Report, repeat: usize, gpu: Gpu) -> Result<()> {
     let name = gpu.description().name.clone();
     let mut executor = GpuExecutor::new(gpu.clone(), PageLayout::default(), budget)?;
     let mut pages = MemoryPages::new(PageLayout::default(), 100.0);
-    warm(&mut executor, &mut pages)?;
+    make_resident(&mut executor, &mut pages, TERRAIN)?;
     let mut measured = cases()?;
     for _ in 0..repeat {
         for case in &mut measured {
@@ -77,14 +78,6 @@ fn on_gpu(report: &mut Report, repeat: usize, gpu: Gpu) -> Result<()> {
         let name = format!("raise {} r {}, {name}", case.shape, case.radius);
         report.add(Figure::rate(name, &case.times, case.num_samples, None));
     }
-    Ok(())
-}
-
-/// Makes all pages resident.
-fn warm(executor: &mut dyn Executor, pages: &mut MemoryPages) -> Result<()> {
-    let (width, depth) = (TERRAIN.0 as f64, TERRAIN.1 as f64);
-    let brush = Brush { falloff_m: 0.0, ..Brush::new(BrushType::Raise, width, 1.0) };
-    executor.run(&dab(brush, [width / 2.0, depth / 2.0])?, pages)?;
     Ok(())
 }
 
@@ -119,7 +112,7 @@ fn cases() -> Result<Vec<Case>> {
             let batches = (0..5)
                 .map(|place| {
                     let x = 1100.3 + 3200.0 * f64::from(place);
-                    dab(brush.clone(), [x.min(15_200.0), 2000.7 + 900.0 * f64::from(place)])
+                    dab(&brush, TERRAIN, [x.min(15_200.0), 2000.7 + 900.0 * f64::from(place)])
                 })
                 .collect::<Result<Vec<_>>>()?;
             let num_samples = std::f64::consts::PI * radius * radius;
@@ -127,15 +120,4 @@ fn cases() -> Result<Vec<Case>> {
         }
     }
     Ok(cases)
-}
-
-fn dab(brush: Brush, place_m: [f64; 2]) -> Result<Batch> {
-    let grid = TerrainGrid::new(TERRAIN.0, TERRAIN.1, 1.0)?;
-    let canvas = Canvas::heights(grid, PageLayout::default(), FieldId(0));
-    let mut planner = StrokePlanner::new(&brush, 0, canvas, Resources::default())?;
-    let [x, z] = place_m;
-    planner.push(&PointerSample::at(x, z))?;
-    planner.finish();
-    let mut pages = MemoryPages::new(PageLayout::default(), 100.0);
-    planner.next_batch(&mut pages, 1)?.ok_or_else(|| anyhow::anyhow!("the dab lies outside the terrain"))
 }

@@ -3,20 +3,14 @@
 //! The terrain is the bundled one. A frame is measured from the call until its
 //! pixels are in memory; on a software driver nearly all of it is the shading of pixels.
 
-use std::path::Path;
-
 use anyhow::Result;
-use orogeny_engine::{
-    Adapter, Flight, HeightAt, ImportOptions, ImportRequest, Metric, Mode, Place, Quiet, Settings, Terrain,
-    View, ViewRequest,
-};
+use orogeny_engine::{Flight, HeightAt, Metric, Mode, Place, Quiet, Settings, Terrain, View, ViewRequest};
 
+use crate::bundled;
 use crate::measure::Times;
 use crate::report::{Figure, Report};
 use crate::stores::scratch_folder;
 
-const TERRAIN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/terrain/frazier_1024_int16.tif");
-const SPACING_M: f64 = 28.0;
 const SIZE_PX: [u32; 2] = [640, 360];
 /// Frames of the flight.
 const NUM_FRAMES: u32 = 12;
@@ -24,12 +18,7 @@ const NUM_FRAMES: u32 = 12;
 pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
     let folder = scratch_folder()?;
     let path = folder.path().join("real.orogeny");
-    let options = ImportOptions { spacing_m: Some(SPACING_M), ..ImportOptions::default() };
-    let request =
-        ImportRequest { file: Path::new(TERRAIN).to_owned(), options, layer: None, at_m: [0.0, 0.0] };
-    let cpu = Settings { adapter: Adapter::Cpu, ..Settings::default() };
-    let (terrain, _) = Terrain::from_raster(&path, &request, cpu, &mut Quiet)?;
-    terrain.close()?;
+    bundled::terrain(&path)?.close()?;
     let terrain = Terrain::open_to_read(&path, Settings::default())?;
     let mut view = terrain.view(SIZE_PX)?;
     report.note(format!("pictures of {} x {} pixels on {}", SIZE_PX[0], SIZE_PX[1], view.adapter()));

@@ -73,13 +73,12 @@ impl Figure {
 
     /// The time under which a share of all lies.
     pub fn percentile(name: String, times: &Times, share: f64) -> Self {
-        let seconds = times.percentile_s(share);
-        Self::of_spread(name, Unit::Seconds, Spread { median: seconds, lowest: seconds, highest: seconds })
+        Self::of_spread(name, Unit::Seconds, Spread::of(vec![times.percentile_s(share)]))
     }
 
     /// A size, which is the same each time.
     pub fn size(name: String, bytes: f64) -> Self {
-        Self::of_spread(name, Unit::Bytes, Spread { median: bytes, lowest: bytes, highest: bytes })
+        Self::of_spread(name, Unit::Bytes, Spread::of(vec![bytes]))
     }
 
     /// A proportion, measured several times or once.

@@ -157,11 +157,11 @@ impl Window {
             let x = 2000.0 + f64::from(point % 2) * 0.5 * radius + number as f64;
             let start = Instant::now();
             self.session.push_points(ticket, vec![PointerSample::at(x, 2000.0)]);
-            let (mut is_changed, mut is_painted) = (false, None);
             // Of the first point nothing is seen before the second one comes: a hand may rest.
             if point <= 1 {
                 continue;
             }
+            let (mut is_changed, mut is_painted) = (false, None);
             loop {
                 ensure!(start.elapsed() < WAIT, "nothing is painted");
                 _ = self.woken.recv_timeout(Duration::from_millis(5));
@@ -212,20 +212,12 @@ impl Window {
         let ticket = self.session.apply(vec![Operation::from_json_text(text)?]);
         loop {
             busy.measure(|| self.frame())?;
-            let mut is_done = false;
-            for event in self.session.events() {
-                match event {
-                    Event::Done { ticket: done, .. } if done == ticket => is_done = true,
-                    Event::Failed { message, .. } => bail!("{message}"),
-                    _ => {}
-                }
-            }
-            if is_done {
-                lasted.add(start.elapsed().as_secs_f64());
+            if self.take()?.done == Some(ticket) {
                 break;
             }
             ensure!(start.elapsed() < WAIT, "a stroke does not end");
         }
+        lasted.add(start.elapsed().as_secs_f64());
         for (name, times) in [("idle", &idle), ("while a heavy stroke runs", &busy)] {
             report.add(Figure::time(format!("session frame, {name}"), times));
             report.add(Figure::percentile(format!("session frame, {name}, 99th percentile"), times, 0.99));
