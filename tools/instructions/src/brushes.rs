@@ -9,7 +9,7 @@ use orogeny_field::{
 };
 use orogeny_reference::{amounts, brush, gate};
 
-use crate::{DEPTH, Kernel, WIDTH, Work, rough_values};
+use crate::{DEPTH, Kernel, WIDTH, Work, rough_values, rough_weights};
 
 pub const KERNELS: &[Kernel] = &[
     Kernel { name: "amounts/smooth", prepare: || amounts_of(FalloffFormula::Smooth, WeightMode::Direct) },
@@ -58,7 +58,7 @@ fn amounts_of(formula: FalloffFormula, weight_mode: WeightMode) -> Result<Work> 
 }
 
 fn gather() -> Result<Work> {
-    let amounts: Vec<_> = rough_values(WIDTH).iter().map(|value| value / 400.0).collect();
+    let amounts = rough_weights(WIDTH);
     let mut weights = vec![0.0; WIDTH];
     Ok(Box::new(move || {
         for _ in 0..DEPTH {
@@ -69,8 +69,8 @@ fn gather() -> Result<Work> {
 }
 
 /// What a brush makes of rows of heights, given amounts from 0 to 1.
-fn rows_of(row: fn(&mut [f32], &[f32], i32) -> u32) -> Result<Work> {
-    let amounts: Vec<_> = rough_values(WIDTH).iter().map(|value| value / 400.0).collect();
+fn rows_of(row: impl Fn(&mut [f32], &[f32], i32) -> u32 + 'static) -> Result<Work> {
+    let amounts = rough_weights(WIDTH);
     let mut heights = rough_values(WIDTH * DEPTH);
     Ok(Box::new(move || {
         for (z, heights) in (0..).zip(heights.chunks_mut(WIDTH)) {
@@ -81,13 +81,7 @@ fn rows_of(row: fn(&mut [f32], &[f32], i32) -> u32) -> Result<Work> {
 
 fn terrace() -> Result<Work> {
     let steps = TerraceSteps::new(&Terrace::default(), 1.0, [0, 0]);
-    let amounts: Vec<_> = rough_values(WIDTH).iter().map(|value| value / 400.0).collect();
-    let mut heights = rough_values(WIDTH * DEPTH);
-    Ok(Box::new(move || {
-        for (z, heights) in (0..).zip(heights.chunks_mut(WIDTH)) {
-            black_box(brush::terrace::row(heights, &amounts, [0, z], &steps));
-        }
-    }))
+    rows_of(move |heights, amounts, z| brush::terrace::row(heights, amounts, [0, z], &steps))
 }
 
 fn gate_of_ground() -> Result<Work> {

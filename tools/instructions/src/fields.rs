@@ -9,7 +9,7 @@ use orogeny_field::{
 };
 use orogeny_reference::field::{Channel, band, coarsen, compose, convolve, interpolate, pipes, thermal};
 
-use crate::{DEPTH, Kernel, WIDTH, Work, rough_values};
+use crate::{DEPTH, Kernel, WIDTH, Work, rough_values, rough_weights};
 
 pub const KERNELS: &[Kernel] = &[
     Kernel { name: "field/convolve_x", prepare: || convolve_along_x(&gaussian_weights(3.7), 1) },
@@ -84,7 +84,7 @@ fn band_rows() -> Result<Work> {
 
 fn compose_rows() -> Result<Work> {
     let (mut below, heights) = (rough_values(WIDTH), rough_values(WIDTH));
-    let weights: Vec<_> = heights.iter().map(|value| value / 400.0).collect();
+    let weights = rough_weights(WIDTH);
     Ok(Box::new(move || {
         for blend in [Blend::Add, Blend::Max, Blend::Multiply, Blend::Replace].into_iter().cycle().take(DEPTH)
         {

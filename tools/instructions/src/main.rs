@@ -61,3 +61,8 @@ fn rough(number: usize) -> f32 {
 fn rough_values(num: usize) -> Vec<f32> {
     (0..num).map(rough).collect()
 }
+
+/// The same, brought within 0..1.
+fn rough_weights(num: usize) -> Vec<f32> {
+    (0..num).map(|number| rough(number) / 400.0).collect()
+}
