@@ -14,6 +14,7 @@ mod cancelling;
 mod event;
 mod live_hand;
 mod looker;
+mod panicked;
 mod participant;
 mod serve;
 mod status;
@@ -122,6 +123,21 @@ impl Task {
             | Self::Look(_)
             | Self::ShowMasks(_)
             | Self::Close => None,
+        }
+    }
+
+    /// What whoever asked for it waits for the end of.
+    const fn ticket(&self) -> Option<Ticket> {
+        match self {
+            Self::Stroke { ticket, .. }
+            | Self::Apply { ticket, .. }
+            | Self::Travel { ticket, .. }
+            | Self::Export { ticket, .. }
+            | Self::Import { ticket, .. }
+            | Self::Survey { ticket, .. } => Some(*ticket),
+            Self::Points { .. } | Self::Lift { .. } | Self::Look(_) | Self::ShowMasks(_) | Self::Close => {
+                None
+            }
         }
     }
 }

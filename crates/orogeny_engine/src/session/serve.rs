@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
@@ -13,6 +14,7 @@ use super::cancelling::Cancelling;
 use super::event::{Event, Out};
 use super::live_hand::{LiveHand, MAX_WAIT, or_none};
 use super::looker::Looker;
+use super::panicked::Panicked;
 use super::participant::By;
 use super::status::KnownHistory;
 use super::waiting::{Drawn, Waiting};
@@ -52,6 +54,8 @@ struct Server {
     looker: Looker,
     out: Out,
     cancelling: Arc<Cancelling>,
+    /// What is being done.
+    running: Option<Ticket>,
     history: KnownHistory,
     /// The terrain's own author.
     own_author: String,
@@ -84,16 +88,33 @@ pub(super) fn serve(
     let own_author = terrain.settings().author.clone();
     let (waiting, taken_back) = (Waiting::default(), HashMap::new());
     let history = KnownHistory::default();
+    let running = None;
     let mut server =
-        Server { terrain, tasks, waiting, looker, out, cancelling, history, own_author, taken_back };
-    server.tell_status();
-    while let Some(task) = server.next_task() {
-        server.run(task);
+        Server { terrain, tasks, waiting, looker, out, cancelling, running, history, own_author, taken_back };
+    // Nothing of the server but what it was asked is used after a panic.
+    match catch_unwind(AssertUnwindSafe(|| server.serve())) {
+        Ok(()) => server.terrain.close(),
+        Err(panic) => {
+            let Server { terrain, tasks, waiting, out, running, .. } = server;
+            // Gives up what was under way, as a kill would, and lets go of the file before anyone is told to open it again.
+            catch_unwind(AssertUnwindSafe(|| drop(terrain))).ok();
+            let panicked = Panicked::new(&*panic, out);
+            panicked.answer(running, waiting, &tasks);
+            Err(panicked.error())
+        }
     }
-    server.terrain.close()
 }
 
 impl Server {
+    fn serve(&mut self) {
+        self.tell_status();
+        while let Some(task) = self.next_task() {
+            self.running = task.ticket();
+            self.run(task);
+            self.running = None;
+        }
+    }
+
     fn next_task(&mut self) -> Option<Task> {
         let task = self.waiting.pop().or_else(|| self.tasks.recv().ok())?;
         (!matches!(task, Task::Close)).then_some(task)

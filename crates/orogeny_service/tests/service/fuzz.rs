@@ -93,6 +93,41 @@ fn wire() -> impl Strategy<Value = Message> {
     ]
 }
 
+/// What the corpus has on a line; `None` for a remark.
+fn of_line(line: &str) -> Option<Message> {
+    let bytes = |digits: &str| -> Vec<u8> {
+        let digits = digits.as_bytes().chunks(2).map(|pair| std::str::from_utf8(pair).unwrap());
+        digits.map(|pair| u8::from_str_radix(pair, 16).unwrap()).collect()
+    };
+    if line.starts_with('#') {
+        return None;
+    }
+    Some(match (line.strip_prefix("hex:"), line.strip_prefix("ping:")) {
+        (Some(digits), _) => Message::binary(bytes(digits)),
+        (_, Some(digits)) => Message::Ping(bytes(digits).into()),
+        _ => Message::text(line.to_owned()),
+    })
+}
+
+/// A text that lies near another: cut short, with a character put for another, or with a number put for another.
+fn near(text: &str) -> impl Strategy<Value = String> + use<> {
+    let text = text.to_owned();
+    (any::<prop::sample::Index>(), 0_u8..3, " -~", number()).prop_map(move |(at, how, character, value)| {
+        let at = text.floor_char_boundary(at.index(text.len() + 1));
+        let (before, after) = text.split_at(at);
+        match how {
+            0 => before.to_owned(),
+            1 => format!("{before}{character}{}", after.chars().skip(1).collect::<String>()),
+            _ => {
+                let (skipped, rest) =
+                    after.split_at(after.find(|c: char| c.is_ascii_digit()).unwrap_or(after.len()));
+                let rest = rest.trim_start_matches(|c: char| c.is_ascii_digit() || ".eE+-".contains(c));
+                format!("{before}{skipped}{value}{rest}")
+            }
+        }
+    })
+}
+
 /// Bytes of memory that this process has resident.
 fn resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
@@ -141,6 +176,43 @@ fn whatever_clients_say_the_service_goes_on() {
     // The pages' budget is 64 MiB, and their history is on disk.
     assert!(grown.is_none_or(|grown| grown < 256 << 20), "grown by {grown:?} bytes");
     drop(clients);
+    watcher.until_alone();
+    served.stop();
+}
+
+#[test]
+fn the_corpus_and_what_lies_near_it_do_no_harm() {
+    let long = std::env::var_os("OROGENY_TEST_LONG").is_some();
+    let mut served = Served::new();
+    let mut watcher = served.live("watcher");
+    let mut client = served.live("corpus");
+    let mut runner = TestRunner::deterministic();
+    let mut messages: Vec<Message> =
+        include_str!("../corpus/messages.txt").lines().filter_map(of_line).collect();
+    let num_kept = messages.len();
+    for k in 0..num_kept {
+        let Message::Text(text) = &messages[k] else { continue };
+        let strategy = near(text.as_str());
+        let near = (0..if long { 200 } else { 4 }).map(|_| strategy.new_tree(&mut runner).unwrap().current());
+        let near: Vec<Message> = near.map(Message::text).collect();
+        messages.extend(near);
+    }
+    assert!(num_kept > 60 && messages.len() > 4 * num_kept, "{num_kept} kept, {} sent", messages.len());
+    let before = resident_bytes();
+    for some in messages.chunks(16) {
+        for message in some {
+            client.send(message.clone());
+        }
+        settle(&mut client);
+        client.events.clear();
+        client.pages.clear();
+    }
+    let grown = before.zip(resident_bytes()).map(|(before, after)| after.saturating_sub(before));
+    assert!(grown.is_none_or(|grown| grown < 256 << 20), "grown by {grown:?} bytes");
+    // Who said none of it is served as before.
+    watcher.draw(1, &raise(40.0, 2.0), &[[100.0, 100.0]]);
+    watcher.done(1);
+    drop(client);
     watcher.until_alone();
     served.stop();
 }
