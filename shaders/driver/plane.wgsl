@@ -1,7 +1,7 @@
 // One sample of a plane an invocation, made of those of other planes. A kernel includes this file and defines
 //     fn update_sample(sample: vec2<i32>)
 // which hands each channel's value to `store`; or, where neighbours read much the same, the four samples from there on to
-// `store_four`. Bindings from 6 on are the kernel's own. Twin: orogeny_brush::executor_cpu::steps.
+// `store_four`, of one row or of several (driver/rows.wgsl). Bindings from 6 on are the kernel's own. Twin: orogeny_brush::executor_cpu::steps.
 #include "lib/plane.wgsl"
 
 const WORKGROUP_SIDE = 16u;
@@ -10,7 +10,7 @@ const WORKGROUP_SIDE = 16u;
 // of a condition would else find for each sample of the others where it would lie.
 override MIRRORED_INPUTS: u32 = 15u;
 
-// Samples that an invocation makes, along each axis: one, or four along one of them. orogeny_brush::filter::Step::at_once
+// Samples that an invocation makes, along each axis: one or four. orogeny_brush::filter::Step::at_once
 override AT_ONCE_ALONG_X: u32 = 1u;
 override AT_ONCE_ALONG_Z: u32 = 1u;
 

@@ -1,8 +1,7 @@
-// Half an iteration of thermal erosion: the shares of samples that slide, or the heights once they have, for four samples of a row,
-// whose neighbours are much the same. What passes between two samples both work out alike. Twin: orogeny_reference::field::thermal,
-// which has the formulas and their source.
+// Half an iteration of thermal erosion: the shares of samples that slide, or the heights once they have. What passes between two
+// samples both work out alike. Twin: orogeny_reference::field::thermal, which has the formulas and their source.
 #include "driver/plane.wgsl"
-#include "lib/height.wgsl"
+#include "driver/rows.wgsl"
 
 // orogeny_brush::filter::ThermalPhase
 const SHARES = 0u;
@@ -13,8 +12,6 @@ override NUM_LAYERS: u32 = 1u;
 // Whether the second plane of shares is the hardness.
 override HAS_HARDNESS: u32 = 0u;
 
-const EAST = vec2<i32>(1, 0);
-const SOUTH = vec2<i32>(0, 1);
 const SQRT_2 = 1.41421354;
 // Where there is no neighbour: nothing slides up it.
 const WALL_M = 1.0e30;
@@ -29,66 +26,11 @@ struct ThermalLayer {
 
 @group(1) @binding(6) var<storage, read> layers: array<ThermalLayer>;
 
-fn height_at(sample: vec2<i32>) -> f32 {
-    if is_on_terrain(sample) {
-        return first_channel_at(0u, sample);
-    }
-    return WALL_M;
-}
-
-// Of the second plane; beyond the terrain, where nothing slides, 0.
-fn share_at(channel: u32, sample: vec2<i32>) -> f32 {
-    if is_on_terrain(sample) {
-        return second_channel_at(channel, sample);
-    }
-    return 0.0;
-}
-
-// What four samples of a row have, and their neighbours in it.
-struct Row {
-    west: vec4<f32>,
-    here: vec4<f32>,
-    east: vec4<f32>,
-}
-
-fn row_of(west: f32, here: vec4<f32>, east: f32) -> Row {
-    return Row(vec4<f32>(west, here.xyz), here, vec4<f32>(here.yzw, east));
-}
-
-fn heights_at(first: vec2<i32>) -> vec4<f32> {
-    return vec4<f32>(
-        height_at(first),
-        height_at(first + EAST),
-        height_at(first + 2 * EAST),
-        height_at(first + 3 * EAST),
-    );
-}
-
-fn heights_of(first: vec2<i32>) -> Row {
-    return row_of(height_at(first - EAST), heights_at(first), height_at(first + 4 * EAST));
-}
-
-fn shares_at(channel: u32, first: vec2<i32>) -> vec4<f32> {
-    return vec4<f32>(
-        share_at(channel, first),
-        share_at(channel, first + EAST),
-        share_at(channel, first + 2 * EAST),
-        share_at(channel, first + 3 * EAST),
-    );
-}
-
-fn shares_of(channel: u32, first: vec2<i32>) -> Row {
-    return row_of(share_at(channel, first - EAST), shares_at(channel, first), share_at(channel, first + 4 * EAST));
-}
-
 fn excess(height: vec4<f32>, neighbour: vec4<f32>, talus_m: vec4<f32>) -> vec4<f32> {
     return max((height - neighbour) - talus_m, vec4<f32>(0.0));
 }
 
-fn update_shares(first: vec2<i32>) {
-    let north = heights_of(first - SOUTH);
-    let row = heights_of(first);
-    let south = heights_of(first + SOUTH);
+fn store_shares(first: vec2<i32>, north: Row, row: Row, south: Row) {
     let height = row.here;
     var talus_m = vec4<f32>(layers[0].talus_m);
     var half_rate = vec4<f32>(layers[0].half_rate);
@@ -124,54 +66,68 @@ fn update_shares(first: vec2<i32>) {
     }
 }
 
-// Four samples: heights, shares that slide, and drops that hold.
-struct Four {
-    height: vec4<f32>,
-    share: vec4<f32>,
-    talus_m: vec4<f32>,
+fn update_shares(first: vec2<i32>) {
+    var north = first_row(0u, first - SOUTH, WALL_M);
+    var row = first_row(0u, first, WALL_M);
+    for (var z = 0u; z < AT_ONCE_ALONG_Z; z++) {
+        let at = first + vec2<i32>(0, i32(z));
+        let south = first_row(0u, at + SOUTH, WALL_M);
+        if is_in_result(at) {
+            store_shares(at, north, row, south);
+        }
+        north = row;
+        row = south;
+    }
 }
 
-// What samples give neighbours, less what they are given.
-fn net(here: Four, height: vec4<f32>, share: vec4<f32>, talus_m: vec4<f32>, distance: f32) -> vec4<f32> {
-    let drop = here.height - height;
-    let given = here.share * max(drop - here.talus_m * distance, vec4<f32>(0.0));
+// Heights, shares that slide, and drops that hold.
+struct Slopes {
+    height: Row,
+    share: Row,
+    talus_m: Row,
+}
+
+fn slopes_at(first: vec2<i32>) -> Slopes {
+    let talus_m = vec4<f32>(layers[0].talus_m);
+    var slopes = Slopes(first_row(0u, first, WALL_M), second_row(0u, first), Row(talus_m, talus_m, talus_m));
+    if NUM_LAYERS > 1u {
+        slopes.talus_m = second_row(1u, first);
+    }
+    return slopes;
+}
+
+// What four samples give neighbours, less what they are given.
+fn net(here: Slopes, height: vec4<f32>, share: vec4<f32>, talus_m: vec4<f32>, distance: f32) -> vec4<f32> {
+    let drop = here.height.here - height;
+    let given = here.share.here * max(drop - here.talus_m.here * distance, vec4<f32>(0.0));
     return given - share * max(-drop - talus_m * distance, vec4<f32>(0.0));
 }
 
-fn taluses_of(first: vec2<i32>) -> Row {
-    if NUM_LAYERS > 1u {
-        return shares_of(1u, first);
-    }
-    let talus_m = vec4<f32>(layers[0].talus_m);
-    return Row(talus_m, talus_m, talus_m);
+fn store_slid(first: vec2<i32>, north: Slopes, row: Slopes, south: Slopes) {
+    let w = net(row, row.height.west, row.share.west, row.talus_m.west, 1.0);
+    let e = net(row, row.height.east, row.share.east, row.talus_m.east, 1.0);
+    let n = net(row, north.height.here, north.share.here, north.talus_m.here, 1.0);
+    let s = net(row, south.height.here, south.share.here, south.talus_m.here, 1.0);
+    let nw = net(row, north.height.west, north.share.west, north.talus_m.west, SQRT_2);
+    let ne = net(row, north.height.east, north.share.east, north.talus_m.east, SQRT_2);
+    let sw = net(row, south.height.west, south.share.west, south.talus_m.west, SQRT_2);
+    let se = net(row, south.height.east, south.share.east, south.talus_m.east, SQRT_2);
+    let height = row.height.here - (((w + e) + (n + s)) + ((nw + se) + (ne + sw)));
+    store_four(0u, first, EAST, sanitized_heights(height));
 }
 
 fn update_heights(first: vec2<i32>) {
-    let north = heights_of(first - SOUTH);
-    let row = heights_of(first);
-    let south = heights_of(first + SOUTH);
-    let north_share = shares_of(0u, first - SOUTH);
-    let share = shares_of(0u, first);
-    let south_share = shares_of(0u, first + SOUTH);
-    let north_m = taluses_of(first - SOUTH);
-    let talus_m = taluses_of(first);
-    let south_m = taluses_of(first + SOUTH);
-    let here = Four(row.here, share.here, talus_m.here);
-    let w = net(here, row.west, share.west, talus_m.west, 1.0);
-    let e = net(here, row.east, share.east, talus_m.east, 1.0);
-    let n = net(here, north.here, north_share.here, north_m.here, 1.0);
-    let s = net(here, south.here, south_share.here, south_m.here, 1.0);
-    let nw = net(here, north.west, north_share.west, north_m.west, SQRT_2);
-    let ne = net(here, north.east, north_share.east, north_m.east, SQRT_2);
-    let sw = net(here, south.west, south_share.west, south_m.west, SQRT_2);
-    let se = net(here, south.east, south_share.east, south_m.east, SQRT_2);
-    let height = row.here - (((w + e) + (n + s)) + ((nw + se) + (ne + sw)));
-    store_four(0u, first, EAST, vec4<f32>(
-        sanitized_height(height.x),
-        sanitized_height(height.y),
-        sanitized_height(height.z),
-        sanitized_height(height.w),
-    ));
+    var north = slopes_at(first - SOUTH);
+    var row = slopes_at(first);
+    for (var z = 0u; z < AT_ONCE_ALONG_Z; z++) {
+        let at = first + vec2<i32>(0, i32(z));
+        let south = slopes_at(at + SOUTH);
+        if is_in_result(at) {
+            store_slid(at, north, row, south);
+        }
+        north = row;
+        row = south;
+    }
 }
 
 fn update_sample(first: vec2<i32>) {

@@ -81,13 +81,17 @@ impl Step {
         }
     }
 
-    /// Samples along x and z that an invocation of its kernel makes: four, where those beside one another read much the same.
+    /// Samples along x and z that an invocation of its kernel makes: four, where those beside one another read much the same, and four
+    /// times four where they look all around themselves.
     pub(crate) const fn at_once(&self) -> [u32; 2] {
         match self {
             Self::Convolve { axis: Axis::Z, .. } | Self::Interpolate { axis: Axis::Z, .. } => [1, 4],
-            Self::Convolve { axis: Axis::X, .. }
-            | Self::Interpolate { axis: Axis::X, .. }
-            | Self::Thermal { .. } => [4, 1],
+            Self::Convolve { axis: Axis::X, .. } | Self::Interpolate { axis: Axis::X, .. } => [4, 1],
+            Self::Thermal { .. } => [4, 4],
+            Self::Pipes { phase, .. } => match phase {
+                PipesPhase::FirstFlux | PipesPhase::Flux | PipesPhase::Ground => [4, 4],
+                PipesPhase::Begin | PipesPhase::Settle => [1, 1],
+            },
             _ => [1, 1],
         }
     }
