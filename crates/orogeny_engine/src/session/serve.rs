@@ -90,6 +90,8 @@ pub(super) fn serve(
     while let Some(task) = server.next_task() {
         server.run(task);
     }
+    // First, so that no log stays beside the file.
+    server.looker.close_past();
     server.terrain.close()
 }
 
@@ -114,7 +116,7 @@ impl Server {
             },
             Task::Survey { ticket, max_side } => {
                 let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
-                match Survey::of(&self.terrain, max_side, watcher) {
+                match Survey::of(&self.terrain, self.looker.past(), max_side, watcher) {
                     Ok(survey) => return self.out.tell(Event::Surveyed { ticket, survey: Box::new(survey) }),
                     Err(err) => (ticket, Err(err)),
                 }
@@ -122,6 +124,11 @@ impl Server {
             Task::ShowMasks(names) => {
                 self.looker.show_masks(names);
                 return self.out.tell(Event::Changed { rects: None, is_settled: true });
+            }
+            Task::OpenPast { ticket, entry } => (ticket, self.open_past(entry)),
+            Task::ClosePast => {
+                self.looker.close_past();
+                return self.everything_changed();
             }
             // Of a stroke that has failed, or ended.
             Task::Points { .. } | Task::Lift { .. } | Task::Close => return,
@@ -189,6 +196,16 @@ impl Server {
         }?;
         self.changed(self.terrain.changed_by_travel(&travelled)?);
         Ok(Outcome::default())
+    }
+
+    fn open_past(&mut self, entry: EntryId) -> Result<Outcome> {
+        // Before another one is open: each holds back the log.
+        self.looker.close_past();
+        let path = self.terrain.settled()?.path().to_owned();
+        let past = Terrain::open_to_read_at(&path, entry, self.terrain.settings().clone());
+        let opened = past.and_then(|past| self.looker.open_past(past));
+        self.everything_changed();
+        opened.map(|()| Outcome::default())
     }
 
     fn undo_own(&mut self, ticket: Ticket) -> Result<Outcome> {

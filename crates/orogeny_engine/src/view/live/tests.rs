@@ -178,7 +178,7 @@ impl Onlooker {
         let seen = self.known.as_ref().unwrap();
         for PageRequest { place, .. } in self.everything() {
             let bits = |known: &Known| -> Vec<u32> {
-                known.page(place).unwrap().samples().iter().map(|height| height.to_bits()).collect()
+                known.page(place).unwrap().0.samples().iter().map(|height| height.to_bits()).collect()
             };
             assert!(bits(seen) == bits(&fresh), "{what}: {place:?} is not as it was seen");
         }
