@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use orogeny_field::{PageLayout, SampleRect, TerrainGrid};
 use orogeny_geomip::{PagePlace, PageSummaries as _, PageSummary};
-use orogeny_store::{Layer, Recording};
+use orogeny_store::{Layer, Recording, Store};
 
 use super::{Earlier, PageData, PageRequest};
 use crate::composite::{self, Change, Compositor, Look, RecordingPages, Source, StorePages};

@@ -226,7 +226,16 @@ impl<'a> View<'a> {
         for (chunk, done) in missing.chunks(pages_at_once).zip((0_u64..).step_by(pages_at_once)) {
             crate::progress::report(observer, "reading", done, total)?;
             for place in chunk {
-                self.upload(*place)?;
+                let heights = self.source.page(*place)?;
+                let earlier = if shows_difference { self.source.earlier_page(*place)? } else { None };
+                if let (Some(earlier), Some(compared)) = (earlier, &mut self.compared) {
+                    let higher_m = higher_m(&heights, &earlier);
+                    compared.most_m.insert(*place, most_m(&higher_m));
+                    self.renderer.upload(*place, &heights, Some(Overlay::Difference(&higher_m)))?;
+                } else {
+                    let masks = self.source.masks_over(*place);
+                    self.renderer.upload(*place, &heights, masks.as_deref().map(Overlay::Masks))?;
+                }
             }
             // So that copies do not pile up.
             self.gpu.queue().submit([]);
@@ -262,21 +271,6 @@ impl<'a> View<'a> {
             difference_m,
             notices: self.source.notices(),
         })
-    }
-
-    /// Hands over a page that the renderer lacks, with what lies over it.
-    fn upload(&mut self, place: PagePlace) -> Result<()> {
-        let heights = self.source.page(place)?;
-        let earlier = if self.shows_difference { self.source.earlier_page(place)? } else { None };
-        if let (Some(earlier), Some(compared)) = (earlier, &mut self.compared) {
-            let higher_m = higher_m(&heights, &earlier);
-            compared.most_m.insert(place, most_m(&higher_m));
-            self.renderer.upload(place, &heights, Some(Overlay::Difference(&higher_m)))?;
-        } else {
-            let masks = self.source.masks_over(place);
-            self.renderer.upload(place, &heights, masks.as_deref().map(Overlay::Masks))?;
-        }
-        Ok(())
     }
 
     /// What draws, for people.
