@@ -43,7 +43,7 @@ struct FrameUniform {
     num_cascades: u32,
     pad_a: u32,
     pad_b: u32,
-    unpainted_masks: vec4<f32>,
+    unpainted_overlay: vec4<f32>, // what lies over the ground where nothing was painted
     cascades: array<mat4x4<f32>, 4>, // shadow maps, from metres relative to the eye
     cascade_texel_m: vec4<f32>,
     windows: array<vec4<i32>, 16>,   // of the page table, by level: first column and row of pages, one past the last
@@ -53,7 +53,7 @@ struct FrameUniform {
 @group(0) @binding(0) var<uniform> frame: FrameUniform;
 @group(0) @binding(1) var<storage, read> page_table: array<u32>;
 @group(0) @binding(2) var heights: texture_2d_array<f32>;
-@group(0) @binding(3) var overlay: texture_2d_array<f32>; // four masks a sample
+@group(0) @binding(3) var overlay: texture_2d_array<f32>; // four masks a sample, or in the first the difference in metres
 
 // Where a sample of a level is read.
 struct Found {
@@ -233,22 +233,22 @@ fn shape_between(level: f32, place: vec2<f32>) -> Shape {
     );
 }
 
-// The four masks at a sample of a page's level.
-fn masks_at(sample: vec2<i32>, level: u32) -> vec4<f32> {
+// What lies over a sample of a page's level: see `overlay`.
+fn overlay_at(sample: vec2<i32>, level: u32) -> vec4<f32> {
     let found = find(level, clamp(sample, vec2<i32>(0), last_sample(level)));
     if !is_page(found) {
-        return frame.unpainted_masks;
+        return frame.unpainted_overlay;
     }
     let at = texel(found, clamp(sample >> vec2<u32>(found.level - level), vec2<i32>(0), last_sample(found.level)));
     return textureLoad(overlay, at.xy, at.z, 0);
 }
 
-// The four masks of a level between its samples.
-fn masks_between(level: u32, place: vec2<f32>) -> vec4<f32> {
+// What lies over the ground of a level between its samples.
+fn overlay_between(level: u32, place: vec2<f32>) -> vec4<f32> {
     let at = level_place(level, place);
-    let north = masks_at(at.sample, level);
-    let south = masks_at(at.sample + vec2<i32>(0, 1), level);
-    let above = north + at.fraction.x * (masks_at(at.sample + vec2<i32>(1, 0), level) - north);
-    let below = south + at.fraction.x * (masks_at(at.sample + vec2<i32>(1, 1), level) - south);
+    let north = overlay_at(at.sample, level);
+    let south = overlay_at(at.sample + vec2<i32>(0, 1), level);
+    let above = north + at.fraction.x * (overlay_at(at.sample + vec2<i32>(1, 0), level) - north);
+    let below = south + at.fraction.x * (overlay_at(at.sample + vec2<i32>(1, 1), level) - south);
     return above + at.fraction.y * (below - above);
 }

@@ -3,7 +3,7 @@
 #include "scene/cursor.wgsl"
 #include "lib/surface.wgsl"
 
-// 0 shaded, 1 slope, 2 aspect, 3 height bands, 4 contour lines, 5 normals, 6 details, 7 overlay. Twin: orogeny_geomip::Mode.
+// 0 shaded, 1 slope, 2 aspect, 3 height bands, 4 contour lines, 5 normals, 6 details, 7 a mask or the difference. Twin: orogeny_geomip::Mode.
 override MODE: u32 = 0u;
 
 const CLAY: vec3<f32> = vec3<f32>(0.42, 0.39, 0.34);
@@ -90,7 +90,7 @@ fn main(pixel: SurfaceVertex) -> @location(0) vec4<f32> {
         colour = by_angle(pixel.tile.y * 0.17) * (0.45 + 0.55 * light) * (1.0 - 0.08 * coarse);
     }
     if MODE == 7u {
-        let value = masks_between(u32(level), place).x;
+        let value = overlay_between(u32(level), place).x;
         let at = (value - frame.overlay_low) / max(frame.overlay_high - frame.overlay_low, 1.0e-12);
         let tint = ramp(vec3<f32>(0.02, 0.16, 0.60), vec3<f32>(0.25, 0.50, 0.85), vec3<f32>(0.62, 0.62, 0.60),
             vec3<f32>(0.90, 0.45, 0.15), vec3<f32>(0.65, 0.06, 0.02), at);

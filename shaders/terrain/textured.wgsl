@@ -35,7 +35,7 @@ fn main(pixel: SurfaceVertex) -> @location(0) vec4<f32> {
     let pixel_m = max(length(right.xz), length(down.xz));
     let ways = projections(pixel.relative, right, down, true_normal);
     let shown = normal_of(shape.gradient * frame.slope_exaggeration);
-    let material = material_at(ways, shown, height_m, length(shape.gradient), shape.curvature, world_m, pixel_m, masks_between(u32(level), place));
+    let material = material_at(ways, shown, height_m, length(shape.gradient), shape.curvature, world_m, pixel_m, overlay_between(u32(level), place));
     let normal = material.normal;
     let occlusion = seen * material.occlusion;
     let sun = frame.sun_light * lit;

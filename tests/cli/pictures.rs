@@ -124,6 +124,32 @@ fn masks_show_over_the_ground_and_hold_materials_back() {
 }
 
 #[test]
+fn the_difference_to_an_earlier_entry_is_shown() {
+    let folder = terrain();
+    let before = folder.state();
+    let draw = |name: &str, more: &str| {
+        let line =
+            format!("render t.orogeny {name}.png --size 64x48 --mode difference --adapter software {more}");
+        (folder.succeed(&line)["difference_m"].as_f64().unwrap(), folder.read(&format!("{name}.png")))
+    };
+    let ((most_m, since_made), (none_m, since_now)) = (draw("a", "--since 0"), draw("b", "--since 1"));
+    assert!(most_m > 100.0 && none_m < 0.01, "{most_m} {none_m}");
+    assert_ne!(since_made, since_now);
+    let (given_m, given) = draw("c", "--since 0 --range -900,300");
+    assert!(given_m == 900.0 && given != since_made, "{given_m}");
+    let told =
+        folder.run("render t.orogeny d.png --size 64x48 --mode difference --since 0 --adapter software");
+    assert!(told.stdout.contains("m higher than it was"), "{}", told.stdout);
+    let line = "render t.orogeny e.png --size 48x32 --mode difference --adapter software";
+    folder.run(line).assert_failed("since when", &["--since"]);
+    folder.run(&format!("{line} --since 7")).assert_failed("since when", &["no entry 7", "log"]);
+    for name in ["a", "b", "c", "d"] {
+        std::fs::remove_file(folder.path(&format!("{name}.png"))).unwrap();
+    }
+    folder.assert_state(&before, "looking back");
+}
+
+#[test]
 fn the_sets_that_come_along_are_listed_and_can_be_started_from() {
     let folder = terrain();
     let sets = folder.succeed("materials")["sets"].clone();

@@ -143,7 +143,7 @@ fn mirrors() -> Vec<Mirror> {
                 num_cascades,
                 pad_a,
                 pad_b,
-                unpainted_masks,
+                unpainted_overlay,
                 cascades,
                 cascade_texel_m,
                 windows,

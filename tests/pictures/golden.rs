@@ -6,10 +6,12 @@
 use std::io;
 use std::path::Path;
 
-use orogeny_engine::{Cursor, HeightAt, Mode, Picture, Terrain, ViewRequest};
+use orogeny_engine::{
+    Cursor, EntryId, Error, HeightAt, Mode, Operation, Picture, Quiet, Terrain, ViewRequest,
+};
 use orogeny_tests::{repository, skip};
 
-use crate::views::{difference, draw, frazier, imported, place};
+use crate::views::{difference, draw, frazier, imported, place, settings};
 
 const MAX_MEAN: f64 = 1.0;
 const FAR: u8 = 24;
@@ -93,12 +95,66 @@ fn every_mode() {
     let terrain = frazier(folder.path());
     let views: Vec<_> = Mode::ALL
         .into_iter()
-        .filter(|mode| *mode != Mode::Overlay)
+        .filter(|mode| !matches!(mode, Mode::Overlay | Mode::Difference))
         // Coarse enough for edges to be seen.
         .map(|mode| (mode, if mode == Mode::Wireframe { 12.0 } else { 2.0 }))
         .map(|(mode, max_error_px)| (mode.name(), ViewRequest { mode, max_error_px, ..near() }))
         .collect();
     assert_golden("frazier", &terrain, &views);
+}
+
+#[test]
+fn the_difference_to_an_earlier_entry() {
+    let folder = tempfile::tempdir().unwrap();
+    let imported = frazier(folder.path());
+    let entry = imported.log().unwrap().last().map_or(EntryId::CREATION, |entry| entry.id);
+    imported.close().unwrap();
+    let path = folder.path().join("real.orogeny");
+    let mut terrain = Terrain::open(&path, settings()).unwrap();
+    let stroke = |brush: &str, from: [f64; 2], to: [f64; 2]| {
+        let text = format!(
+            r#"{{"op": "stroke", "brush": {{"type": "{brush}", "radius": 1100, "strength": 160}}, "points": [{from:?}, {to:?}]}}"#
+        );
+        Operation::from_json_text(&text).unwrap()
+    };
+    let strokes = [
+        stroke("raise", [11_500.0, 11_500.0], [12_500.0, 13_500.0]),
+        stroke("lower", [14_500.0, 13_000.0], [15_500.0, 11_000.0]),
+    ];
+    terrain.apply(&strokes, &mut Quiet).unwrap();
+    terrain.close().unwrap();
+
+    let terrain = Terrain::open_to_read(&path, settings()).unwrap();
+    let past = Terrain::open_to_read_at(&path, entry, settings()).unwrap();
+    let request = ViewRequest { mode: Mode::Difference, ..near() };
+    let mut view = terrain.view(SIZE).unwrap();
+    assert!(matches!(view.draw(&request, &mut Quiet), Err(Error::NothingToCompare)));
+    view.compare_with(&past).unwrap();
+    let drawn = view.draw(&request, &mut Quiet).unwrap();
+    assert_eq!(drawn.report.num_missing, 0);
+    let most_m = drawn.difference_m.unwrap();
+    assert!((100.0..2_000.0).contains(&most_m), "{most_m}");
+    // Whatever was drawn in between, and with what it found itself given, it is the same picture.
+    view.draw(&near(), &mut Quiet).unwrap();
+    let given = ViewRequest { range_m: Some([-1.0, most_m]), ..request };
+    let again = view.draw(&given, &mut Quiet).unwrap();
+    assert!((again.difference_m, &again.picture) == (Some(most_m), &drawn.picture));
+    assert_eq!(compare("frazier-difference", &drawn.picture), None);
+
+    // Where the two are the same, everything has the colour in the middle: grey in the light of the sky and of the sun.
+    let mut view = past.view(SIZE).unwrap();
+    let same = Terrain::open_to_read_at(&path, entry, settings()).unwrap();
+    view.compare_with(&same).unwrap();
+    let down = ViewRequest {
+        eye: place(12_000.0, HeightAt::AboveGround(3_000.0), 12_001.0),
+        target: place(12_000.0, HeightAt::AboveGround(0.0), 12_000.0),
+        haze: 0.0,
+        range_m: None,
+        ..given
+    };
+    let unchanged = view.draw(&down, &mut Quiet).unwrap().picture;
+    let far_from_grey = |pixel: &&[u8]| pixel.iter().max().unwrap() - pixel.iter().min().unwrap() > 60;
+    assert_eq!(unchanged.rgb.chunks_exact(3).filter(far_from_grey).count(), 0);
 }
 
 #[test]

@@ -30,7 +30,7 @@ fn scene(mode: Mode, max_error_px: f64) -> Scene {
         range_m: [-50.0, 120.0],
         contour_m: 10.0,
         overlay_range: [0.0, 1.0],
-        unpainted_masks: [0.0; 4],
+        unpainted_overlay: [0.0; 4],
         cursors: Vec::new(),
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use orogeny_engine::presets::user_presets_folder;
-use orogeny_engine::{Adapter, Presets, Settings, Terrain};
+use orogeny_engine::{Adapter, EntryId, Presets, Settings, Terrain};
 use tracing_subscriber::filter::LevelFilter;
 
 use crate::arguments::Global;
@@ -63,6 +63,14 @@ impl Session {
     /// As [`Terrain::open_to_read`].
     pub fn open_to_read(&self, path: &Path) -> anyhow::Result<Terrain> {
         Ok(Terrain::open_to_read(path, self.settings())?)
+    }
+
+    /// Opens a terrain for reading as it was after an entry of its history.
+    ///
+    /// # Errors
+    /// As [`Terrain::open_to_read_at`].
+    pub fn open_to_read_at(&self, path: &Path, entry: EntryId) -> anyhow::Result<Terrain> {
+        Ok(Terrain::open_to_read_at(path, entry, self.settings())?)
     }
 
     /// Opens a terrain for writing.

@@ -38,6 +38,7 @@ impl Editor {
                 _ => self.tell(format!("no place was kept as {number} yet"), false),
             },
             Command::Compare => self.toggle_comparing(),
+            Command::SeeEarlier => self.toggle_earlier(),
             Command::ShowMap => self.panels.shows_map = !self.panels.shows_map,
             Command::ShowHistogram => self.panels.shows_histogram = !self.panels.shows_histogram,
             Command::Larger => self.tool.resize(1),
@@ -57,7 +58,7 @@ impl Editor {
             },
             Command::Brush(brush_type) => self.take_brush(brush_type),
             Command::Hand(hand) => self.take_in_hand(hand),
-            Command::Mode(mode) => self.request.mode = mode,
+            Command::Mode(mode) => self.show_mode(mode),
             Command::AddLayer
             | Command::AddProcedure
             | Command::AddEffect

@@ -32,8 +32,10 @@ pub enum Command {
     KeepPlace(u8),
     /// Go back there.
     GoToPlace(u8),
-    /// See the terrain as it was before the last entry of the history, or as it is again.
+    /// See by how much the terrain differs from how it was before the last entry of the history, or no more.
     Compare,
+    /// See the terrain as it was, while the key is held.
+    SeeEarlier,
     /// The terrain from above.
     ShowMap,
     /// How much of it lies how high.
@@ -149,7 +151,7 @@ impl Menu {
 
 impl Command {
     /// Those that stand alone, in the order of their menus.
-    const PLAIN: [Self; 46] = [
+    const PLAIN: [Self; 47] = [
         Self::New,
         Self::Open,
         Self::Import,
@@ -169,6 +171,7 @@ impl Command {
         Self::ShrinkSelection,
         Self::FeatherSelection,
         Self::Compare,
+        Self::SeeEarlier,
         Self::FrameAll,
         Self::LookDown,
         Self::ShowSelection,
@@ -228,6 +231,7 @@ impl Command {
             Self::KeepPlace(number) => format!("keep_place.{number}"),
             Self::GoToPlace(number) => format!("go_to_place.{number}"),
             Self::Compare => "compare".to_owned(),
+            Self::SeeEarlier => "see_earlier".to_owned(),
             Self::ShowMap => "show_map".to_owned(),
             Self::ShowHistogram => "show_histogram".to_owned(),
             Self::Larger => "larger".to_owned(),
@@ -283,6 +287,7 @@ impl Command {
             Self::KeepPlace(number) => format!("Keep this place as {number}"),
             Self::GoToPlace(number) => format!("Go to place {number}"),
             Self::Compare => "Compare with how it was before".to_owned(),
+            Self::SeeEarlier => "See how it was, while the key is held".to_owned(),
             Self::ShowHistogram => "Show histogram of heights".to_owned(),
             Self::Larger => "Larger brush".to_owned(),
             Self::Smaller => "Smaller brush".to_owned(),
@@ -329,6 +334,7 @@ impl Command {
             | Self::ShrinkSelection
             | Self::FeatherSelection
             | Self::Compare
+            | Self::SeeEarlier
             | Self::Hand(_) => Menu::Edit,
             Self::FrameAll
             | Self::LookDown

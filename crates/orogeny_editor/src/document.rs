@@ -33,6 +33,21 @@ pub struct Message {
     pub is_error: bool,
 }
 
+/// How the terrain was, beside how it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Past {
+    /// The entry of the history after which it was so.
+    pub entry: EntryId,
+    /// What opened it.
+    pub ticket: Ticket,
+    /// Whether it is there for a glance alone, and not for the difference.
+    pub is_glance: bool,
+    /// Whether it is seen in the place of how the terrain is.
+    pub is_seen: bool,
+    /// Whether that ends when the key is let go.
+    pub is_held: bool,
+}
+
 /// An open terrain.
 #[derive(Debug)]
 pub struct Document {
@@ -58,8 +73,8 @@ pub struct Document {
     pub copied: Option<Copied>,
     /// Whether what is selected is to be copied as soon as it is known.
     pub is_copying: bool,
-    /// The entry to go back to, while the terrain is seen as it was.
-    pub now: Option<EntryId>,
+    /// What it is compared with.
+    pub past: Option<Past>,
     /// The masks that come with pages.
     shown_masks: Vec<String>,
 }
@@ -88,7 +103,7 @@ impl Document {
             overview: Overview::default(),
             copied: None,
             is_copying: false,
-            now: None,
+            past: None,
             shown_masks: Vec::new(),
         })
     }
@@ -100,6 +115,20 @@ impl Document {
     pub fn draw_on(&mut self, gpu: &Gpu) -> Result<()> {
         self.overview.forget_pictures();
         self.view = LiveView::new(gpu, &self.status, DRAWN_BYTES)?;
+        self.view.show_earlier(self.past.is_some_and(|past| past.is_seen))?;
+        Ok(())
+    }
+
+    /// What is compared is the terrain as it is, and nothing else, from now on.
+    ///
+    /// # Errors
+    /// When the device has no memory for that.
+    pub fn close_past(&mut self) -> Result<()> {
+        if self.past.take().is_some() {
+            self.session.close_past();
+            self.overview.note_changed();
+            self.view.show_earlier(false)?;
+        }
         Ok(())
     }
 
@@ -156,6 +185,9 @@ impl Document {
                     if self.overview.take_failed(ticket, is_cancelled) => {}
                 Event::Failed { ticket, message, is_cancelled, .. } => {
                     self.end(ticket);
+                    if self.past.is_some_and(|past| past.ticket == ticket) {
+                        self.close_past()?;
+                    }
                     let text =
                         if is_cancelled { "cancelled: nothing was changed".to_owned() } else { message };
                     messages.push(Message { text, is_error: !is_cancelled });

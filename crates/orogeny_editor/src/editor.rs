@@ -15,6 +15,7 @@ use serde_json::Value;
 use crate::Hand;
 use crate::Result;
 use crate::camera::CameraControl;
+use crate::command::Command;
 use crate::document::{Document, Message};
 use crate::keymap::Keymap;
 use crate::measure::Measurement;
@@ -105,7 +106,9 @@ impl Editor {
         // What cannot be read is not written over either.
         let preferences_file = options.preferences.clone().filter(|_| wrong.is_none());
         let first_mode = if gpu.description().is_software { Mode::Shaded } else { Mode::Textured };
-        let mode = Mode::ALL.into_iter().find(|mode| mode.name() == preferences.mode).unwrap_or(first_mode);
+        // What was compared with what is not remembered.
+        let is_last = |mode: &Mode| mode.name() == preferences.mode && *mode != Mode::Difference;
+        let mode = Mode::ALL.into_iter().find(is_last).unwrap_or(first_mode);
         let thumbnails = Thumbnails::new(Arc::clone(&wake));
         let mut panels = Panels::default();
         if !preferences.has_seen_tutorial {
@@ -231,7 +234,6 @@ impl Editor {
                 self.document = Some(document);
                 self.is_picture_new = true;
                 self.preferences.note_opened(&path);
-                self.go_back_to_remembered();
                 self.remember();
             }
             Err(err) => self.tell(err.to_string(), true),
@@ -244,7 +246,6 @@ impl Editor {
         if let Some(document) = &self.document {
             self.preferences.cameras.insert(document.path.clone(), document.camera);
         }
-        self.forget_comparing();
         self.preferences.brush = self.tool.brush_type.name().to_owned();
         self.preferences.brushes.clone_from(&self.tool.objects);
         self.preferences.mode = self.request.mode.name().to_owned();
@@ -300,8 +301,10 @@ impl Editor {
 
     /// How the ground is shown.
     #[must_use]
-    pub const fn mode(&self) -> Mode {
-        self.request.mode
+    pub fn mode(&self) -> Mode {
+        let shows_difference = |document: &Document| document.past.is_some_and(|past| !past.is_glance);
+        let is_compared = self.document.as_ref().is_some_and(shows_difference);
+        if is_compared { Mode::Difference } else { self.request.mode }
     }
 
     /// The brush in the hand.
@@ -403,9 +406,13 @@ impl Editor {
         if !typing {
             let pressed = ui.input_mut(|input| self.keymap.take_pressed(input));
             for command in pressed {
-                self.run(command, ui.ctx());
+                match command {
+                    Command::SeeEarlier => self.see_earlier(true),
+                    command => self.run(command, ui.ctx()),
+                }
             }
         }
+        self.let_go_of_earlier(ui.ctx());
         let dropped = ui.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
             self.take_dropped(file.path());
@@ -480,12 +487,9 @@ impl Editor {
 
     /// Goes through the history.
     pub(crate) fn travel(&mut self, what: &str, travel: Travel) {
-        if self.may_change() {
-            self.go(what, travel);
+        if !self.may_change() {
+            return;
         }
-    }
-
-    pub(crate) fn go(&mut self, what: &str, travel: Travel) {
         let Some(document) = &mut self.document else { return };
         let ticket = document.session.travel(travel);
         document.note(ticket, what);
@@ -500,8 +504,6 @@ impl Editor {
         self.remember();
         if let Some(document) = self.document.take() {
             document.session.close()?;
-            self.preferences.comparing.remove(&document.path);
-            self.remember();
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use egui::{TextureId, Ui};
 use orogeny_engine::{Cursor, Mode, PointerSample, ViewRequest};
 use serde_json::Value;
 
+use crate::comparing::{COMPARING, legend};
 use crate::editor::Editor;
 use crate::hand::select_json;
 use crate::tool::Twist;
@@ -43,7 +44,11 @@ impl Editor {
             (false, Some(layer)) => layer.name.clone(),
             _ => "selection".to_owned(),
         };
-        let mode = if shows_selection { Mode::Overlay } else { self.request.mode };
+        let mode = match document.past {
+            _ if shows_selection => Mode::Overlay,
+            Some(past) if !past.is_glance && !past.is_seen => Mode::Difference,
+            _ => self.request.mode,
+        };
         let has_shadows =
             self.request.has_shadows && (!self.gpu.description().is_software || self.quality.is_still());
         let request = ViewRequest { has_shadows, mode, ..self.request.clone() };
@@ -61,11 +66,16 @@ impl Editor {
             None => _ = ui.painter().rect_filled(rect, 0.0, egui::Color32::DARK_GRAY),
         }
         self.viewport.sketch(ui, rect, camera, document);
-        if document.now.is_some() {
+        if let Some((text, most_m)) = self.comparison() {
             let painter = ui.painter().with_clip_rect(rect);
-            let (place, font) = (rect.center_top() + egui::vec2(0.0, 8.0), egui::FontId::proportional(16.0));
-            let text = "As it was: V or Esc goes back to now";
-            painter.text(place, egui::Align2::CENTER_TOP, text, font, egui::Color32::from_rgb(230, 170, 70));
+            match most_m.filter(|_| mode == Mode::Difference) {
+                Some(most_m) => legend(&painter, rect, most_m),
+                None => {
+                    let place = rect.center_top() + egui::vec2(0.0, 8.0);
+                    let (font, colour) = (egui::FontId::proportional(16.0), COMPARING);
+                    painter.text(place, egui::Align2::CENTER_TOP, text, font, colour);
+                }
+            }
         }
         if let Err(err) = drawn {
             self.tell(err.to_string(), true);

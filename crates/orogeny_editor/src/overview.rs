@@ -23,10 +23,6 @@ pub struct Overview {
     is_fresh: bool,
     asked: Option<Ticket>,
     map: Option<TextureHandle>,
-    /// What the terrain is compared with: a survey of it as it is now, while what is seen is as it was.
-    now: Option<Survey>,
-    /// Where that is on its way.
-    asked_now: Option<Ticket>,
     difference: Option<Difference>,
     /// Small maps, by the entry that was the last one then.
     moments: BTreeMap<EntryId, TextureHandle>,
@@ -77,9 +73,6 @@ impl Overview {
     pub fn take(&mut self, ticket: Ticket, survey: Survey) {
         if self.asked == Some(ticket) {
             self.asked = None;
-            if self.asked_now.take() == Some(ticket) {
-                self.now = Some(survey.clone());
-            }
             self.survey = Some(survey);
             (self.map, self.difference) = (None, None);
         }
@@ -130,28 +123,15 @@ impl Overview {
         self.moments.get(&entry)
     }
 
-    /// What is seen from here on is how the terrain was; what was seen so far is how it is now.
-    pub fn begin_comparing(&mut self, session: &Session) {
-        self.want(session);
-        self.asked_now = self.asked;
-        self.now = self.survey.clone().filter(|_| self.asked.is_none());
-    }
-
-    /// What is seen is how the terrain is.
-    pub fn end_comparing(&mut self) {
-        (self.now, self.asked_now, self.difference) = (None, None, None);
-    }
-
-    /// By how much the ground is higher now than in what is seen; nothing unless these are compared.
+    /// By how much the ground is higher now than it was; nothing unless that is compared.
     pub fn difference(&mut self, ctx: &Context) -> Option<Difference> {
-        let (now, then) = (self.now.as_ref()?, self.survey.as_ref()?);
+        let survey = self.survey.as_ref()?;
+        let higher_m = survey.higher_m()?;
         if self.difference.is_none() && self.asked.is_none() && self.is_fresh {
-            let higher_m: Vec<f32> =
-                now.heights_m().iter().zip(then.heights_m()).map(|(now_m, then_m)| now_m - then_m).collect();
             let most_m = higher_m.iter().fold(0.0_f32, |most_m, by_m| most_m.max(by_m.abs()));
             let rgb =
                 higher_m.iter().flat_map(|by_m| signed_colour(by_m / most_m.max(1.0e-6))).collect::<Vec<_>>();
-            let image = ColorImage::from_rgb([then.width(), rgb.len() / 3 / then.width()], &rgb);
+            let image = ColorImage::from_rgb([survey.width(), survey.depth()], &rgb);
             let map = ctx.load_texture("difference", image, TextureOptions::LINEAR);
             self.difference = Some(Difference { map, most_m });
         }

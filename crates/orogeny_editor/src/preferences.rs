@@ -26,8 +26,6 @@ pub struct Preferences {
     pub cameras: BTreeMap<PathBuf, CameraControl>,
     /// Places to look from that were kept, by the terrain's path.
     pub places: BTreeMap<PathBuf, Places>,
-    /// Entries to go back to, of terrains that are seen as they were, by their paths.
-    pub comparing: BTreeMap<PathBuf, u32>,
     /// Whose keys are used.
     pub habit: Habit,
     /// Keys that differ, by the ids of commands: `"undo": "Alt+U"`; empty for no key.

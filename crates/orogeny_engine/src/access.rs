@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use orogeny_store::{MAX_CACHE_BYTES, Recorder, Store};
+use orogeny_store::{EntryId, MAX_CACHE_BYTES, Recorder, Store};
 
 use crate::{Error, Result};
 
@@ -74,6 +74,11 @@ impl Access {
         let mut store = up_to_date(path, Store::open_to_read)?;
         store.hold()?;
         Ok(Self::Read(store))
+    }
+
+    /// For reading as of an entry of the history.
+    pub(crate) fn reading_at(path: &Path, entry: EntryId) -> Result<Self> {
+        Ok(Self::Read(up_to_date(path, |path| Store::open_to_read_at(path, entry))?))
     }
 
     /// Lets a reader show what was committed last; a writer does so anyway.

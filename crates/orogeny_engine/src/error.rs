@@ -105,6 +105,11 @@ pub enum Error {
         /// What there is.
         known: String,
     },
+    /// A picture of the difference to nothing. Say to what.
+    #[error(
+        "there is nothing to show the difference to: name an entry of the history by `--since`; `log` lists those there are"
+    )]
+    NothingToCompare,
     /// A number of a picture that is out of its range.
     #[error("{what} is {value}; it may be {low} to {high}")]
     View {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use orogeny_brush::{Executor, PageMemory};
 use orogeny_field::{FieldId, PageKey, PageLayout, SampleRect, TerrainGrid};
-use orogeny_store::{CheckReport, Layer, NewLayer, NewTerrain, Recorder, Repaired, Salvaged, Store};
+use orogeny_store::{CheckReport, EntryId, Layer, NewLayer, NewTerrain, Recorder, Repaired, Salvaged, Store};
 
 use crate::access::{Access, band_bytes, open_to_write, up_to_date};
 use crate::backend::{self, Settings};
@@ -71,6 +71,16 @@ impl Terrain {
     /// [`Error::Store`] when the file is not there, is no terrain, is damaged or comes from a newer version.
     pub fn open_to_read(path: &Path, settings: Settings) -> Result<Self> {
         Self::of(Access::reading(path)?, settings)
+    }
+
+    /// Opens a terrain for reading as it was after an entry of its history, beside whoever writes it: layers, heights and masks are as though one
+    /// had [gone](Self::jump) there, and the file stays as it is. Takes about as long as going there, and keeps a writer beside it from
+    /// moving its log into the file.
+    ///
+    /// # Errors
+    /// [`Error::Store`] when the history has no such entry, or what leads there is damaged; else as [`Self::open_to_read`].
+    pub fn open_to_read_at(path: &Path, entry: EntryId, settings: Settings) -> Result<Self> {
+        Self::of(Access::reading_at(path, entry)?, settings)
     }
 
     /// Lets a terrain that is open for reading show what was committed last: its layers, its pages and its history, of one state. One that

@@ -54,8 +54,8 @@ pub use page_table::{MAX_LEVELS, PageTable, TABLE_SIDE};
 pub use picking::{Ground, Ray, pick};
 pub use relief::{PageRelief, PageSummaries, PageSummary};
 pub use renderer::{
-    Cursor, Fog, FrameReport, FrameUniform, Light, MAX_CURSORS, MaterialUniform, Mode, Renderer, Scene,
-    Targets, TileInstance,
+    Cursor, Fog, FrameReport, FrameUniform, Light, MAX_CURSORS, MaterialUniform, Mode, Overlay, Renderer,
+    Scene, Targets, TileInstance,
 };
 pub use selection::{select, with_rims};
 pub use shadow::{Cascade, MAX_CASCADES, cascades};

@@ -22,6 +22,8 @@ pub(crate) struct Database {
     /// Pages as they are, decoded. Only a writer keeps any: to a reader they may change at any time.
     pub(crate) cache: RefCell<PageCache>,
     is_writer: bool,
+    /// Whether what is read is another state than the file's: see [`format::PAST_TABLES`].
+    is_past: Cell<bool>,
     /// Asked before each page that is coded or written.
     pub(crate) pace: Arc<Pace>,
 }
@@ -170,8 +172,8 @@ impl Database {
 
     fn new(conn: Connection, path: &Path) -> Result<Self> {
         let (counters, cache) = (Counting::default(), RefCell::default());
-        let db =
-            Self { conn, path: path.to_owned(), counters, cache, is_writer: false, pace: Arc::default() };
+        let (is_past, pace) = (Cell::new(false), Arc::default());
+        let db = Self { conn, path: path.to_owned(), counters, cache, is_writer: false, is_past, pace };
         db.conn.busy_timeout(format::BUSY_TIMEOUT).map_err(|err| db.fault(err))?;
         db.conn.set_prepared_statement_cache_capacity(64);
         Ok(db)
@@ -291,8 +293,26 @@ impl Database {
         if !self.conn.is_autocommit() {
             self.run("ROLLBACK")?;
         }
+        // What was another state went with the transaction.
+        self.is_past.set(false);
+        self.cache.borrow_mut().clear();
         // It begins with the first thing that is read.
         self.run("BEGIN DEFERRED")
+    }
+
+    /// Runs `work`, which may change what this connection reads, and nothing of the file: only in a state that is [held](Self::hold),
+    /// which is then another one until it is held anew.
+    pub(crate) fn in_past<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        self.run("PRAGMA query_only = OFF")?;
+        self.is_past.set(true);
+        let result = self.run(format::PAST_TABLES).and_then(|()| work());
+        self.run("PRAGMA query_only = ON")?;
+        result
+    }
+
+    /// Whether what is read is another state than the file's.
+    pub(crate) const fn is_past(&self) -> bool {
+        self.is_past.get()
     }
 
     /// Runs `work` over one unchanging state of the file.

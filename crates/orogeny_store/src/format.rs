@@ -172,3 +172,20 @@ pub(crate) const SCHEMA: &str = "
 
     CREATE INDEX entry_blob_blob ON entry_blob (blob);
 ";
+
+/// Tables of a connection that reads the terrain as of another entry than the one that the history stands at. By their names they hide
+/// the file's, so every statement means them; they are the connection's own, and go with its transaction. The bytes of pages that are
+/// as in the file stay there: `page_data` holds those of the others, under numbers that the file does not use.
+pub(crate) const PAST_TABLES: &str = "
+    CREATE TEMP TABLE document AS SELECT * FROM main.document;
+    CREATE UNIQUE INDEX temp.past_document ON document (id);
+
+    CREATE TEMP TABLE layer AS SELECT * FROM main.layer;
+    CREATE UNIQUE INDEX temp.past_layer ON layer (id);
+
+    CREATE TEMP TABLE page AS SELECT * FROM main.page;
+    CREATE UNIQUE INDEX temp.past_page ON page (field, level, z, x);
+
+    CREATE TEMP TABLE page_data (id INTEGER PRIMARY KEY, bytes BLOB NOT NULL);
+    INSERT INTO temp.page_data (id, bytes) SELECT coalesce(max(id), 0) + 1, x'' FROM main.page_data;
+";

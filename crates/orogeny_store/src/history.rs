@@ -263,25 +263,52 @@ impl Store {
             return Ok(Vec::new());
         }
         self.in_commit(|store, document, stack| {
-            let db = &store.db;
-            let mut changes = Vec::with_capacity(steps.len());
-            let mut changed = Changed::new();
+            let changes = store.step_over_all(steps, document, stack)?;
             for (entry, direction) in steps {
-                changes.push(store.step_over(*entry, *direction, &mut changed)?);
-                let parent = db.entry(*entry)?.parent.unwrap_or(EntryId::CREATION);
-                document.head = match direction {
-                    Direction::Undo => parent,
-                    Direction::Redo => *entry,
-                };
                 if *direction == Direction::Redo {
                     // Where it came from a branch, redo leads there from now on.
-                    db.set_next(parent, Some(*entry))?;
+                    let parent = store.db.entry(*entry)?.parent.unwrap_or(EntryId::CREATION);
+                    store.db.set_next(parent, Some(*entry))?;
                 }
             }
-            *stack = Stack::load(db)?;
-            pyramid::refresh(db, document.grid, document.layout, |key| stack.constant(key), changed)?;
             Ok(changes)
         })
+    }
+
+    /// Shows a reader that holds a state of the file the terrain as it was after an entry.
+    pub(crate) fn go_back_without_writing(&mut self, target: EntryId) -> Result<()> {
+        let steps = Tree::load(&self.db)?.way(self.document.head, target)?;
+        if steps.is_empty() {
+            return Ok(());
+        }
+        let (mut document, mut stack) = (self.document.clone(), self.stack.clone());
+        self.db.in_past(|| {
+            self.step_over_all(&steps, &mut document, &mut stack)?;
+            self.db.write_document(&document)
+        })?;
+        (self.document, self.stack) = (document, stack);
+        Ok(())
+    }
+
+    /// Undoes or redoes entries, with the levels above full resolution.
+    fn step_over_all(
+        &self,
+        steps: &[(EntryId, Direction)],
+        document: &mut Document,
+        stack: &mut Stack,
+    ) -> Result<Vec<Change>> {
+        let mut changes = Vec::with_capacity(steps.len());
+        let mut changed = Changed::new();
+        for (entry, direction) in steps {
+            changes.push(self.step_over(*entry, *direction, &mut changed)?);
+            document.head = match direction {
+                Direction::Undo => self.db.entry(*entry)?.parent.unwrap_or(EntryId::CREATION),
+                Direction::Redo => *entry,
+            };
+        }
+        *stack = Stack::load(&self.db)?;
+        pyramid::refresh(&self.db, document.grid, document.layout, |key| stack.constant(key), changed)?;
+        Ok(changes)
     }
 
     /// Undoes all entries after `target`, in the transaction that is running, and gives the pages that changed.

@@ -41,6 +41,8 @@ pub struct Store {
     disk_failure: Option<String>,
     /// The version of the file before it was opened, where that was an older one.
     upgraded_from: Option<i32>,
+    /// Of a reader: the entry as of which it shows the terrain; `None`: the one that the history stands at.
+    past: Option<EntryId>,
     pub(crate) clock: fn() -> SystemTime,
 }
 
@@ -131,6 +133,18 @@ impl Store {
         Ok(store)
     }
 
+    /// Opens a terrain file for reading as it was after an entry, on any branch, whatever the history stands at: as one that went there
+    /// shows it. Nothing of the file is changed. It [holds](Self::hold) that state; what differs from the file lies in temporary files of
+    /// the system.
+    ///
+    /// # Errors
+    /// [`Error::UnknownEntry`]; else as [`Self::open_to_read`] and [`Self::undo`].
+    pub fn open_to_read_at(path: &Path, entry: EntryId) -> Result<Self> {
+        let mut store = Self { past: Some(entry), ..Self::open_to_read(path)? };
+        store.hold()?;
+        Ok(store)
+    }
+
     pub(crate) fn open_to_read_whatever_was_lost(path: &Path) -> Result<Self> {
         let db = Database::open_to_read(path)?;
         let (document, stack) = db.in_snapshot(|| Ok((db.document()?, Stack::load(&db)?)))?;
@@ -146,7 +160,8 @@ impl Store {
     }
 
     fn of(db: Database, head: Option<Head>, document: Document, stack: Stack) -> Self {
-        Self { db, head, document, stack, disk_failure: None, upgraded_from: None, clock: SystemTime::now }
+        let (disk_failure, upgraded_from, past) = (None, None, None);
+        Self { db, head, document, stack, disk_failure, upgraded_from, past, clock: SystemTime::now }
     }
 
     /// Moves everything into the one file and closes it: nothing remains beside it, unless someone else has the terrain
@@ -315,7 +330,11 @@ impl Store {
             return Ok(());
         }
         self.db.hold()?;
-        self.refresh()
+        self.refresh()?;
+        match self.past {
+            Some(entry) => self.go_back_without_writing(entry),
+            None => Ok(()),
+        }
     }
 
     /// Looks again at what a writer may have changed.

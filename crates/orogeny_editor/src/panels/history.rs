@@ -5,6 +5,7 @@ use orogeny_engine::session::Travel;
 use orogeny_engine::{EntryId, EntryState};
 
 use crate::command::{Command, capitalised, words};
+use crate::comparing::COMPARING;
 use crate::editor::Editor;
 
 /// Entries that are listed at most: more cannot be told apart by eye.
@@ -14,9 +15,9 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
     ui.heading("History");
     comparing(editor, ui);
     let Some(document) = &editor.document else { return };
-    let now = document.now;
+    let compared = document.past.map(|past| past.entry);
     let current = document.status.current_entry();
-    let mut target = None;
+    let (mut target, mut to_compare) = (None, None);
     for item in document.status.history.iter().rev().take(MAX_LISTED) {
         let text = RichText::new(format!("{} {}", item.id, capitalised(&words(&item.label))));
         let text = match item.state {
@@ -29,7 +30,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
             EntryState::Undone => "undone",
             EntryState::Branch => "on another branch",
         };
-        let text = if now == Some(item.id) { text.strong() } else { text };
+        let text = if compared == Some(item.id) { text.color(COMPARING) } else { text };
         let hint = format!(
             "{state}, {} pages, by {}",
             item.num_pages,
@@ -45,12 +46,18 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
         if label.clicked() {
             target = Some(item.id);
         }
+        label.context_menu(|ui| {
+            if ui.button("Compare with now").clicked() {
+                to_compare = Some(item.id);
+                ui.close();
+            }
+        });
     }
     if ui.selectable_label(current == EntryId::CREATION, "0 The terrain as it was made").clicked() {
         target = Some(EntryId::CREATION);
     }
-    if let Some(target) = target.filter(|_| now.is_some()) {
-        editor.compare_with(target);
+    if let Some(entry) = to_compare.or(target.filter(|_| compared.is_some())) {
+        editor.compare_with(entry);
     } else if let Some(target) = target.filter(|target| *target != current) {
         editor.travel("go in the history", Travel::Jump(target));
     }
@@ -63,7 +70,7 @@ fn comparing(editor: &mut Editor, ui: &mut Ui) {
         let is_possible = super::menu::is_possible(editor, Command::Compare);
         let compare = ui.add_enabled(is_possible, egui::Checkbox::new(&mut is_comparing, "Compare"));
         let compare = compare.on_hover_text(
-            "Shows the terrain as it was before the last entry, or after any that is clicked meanwhile; nothing is changed by that (V)",
+            "Shows by how much the terrain differs from how it was before the last entry, or after any that is clicked meanwhile; hold V to see it as it was",
         );
         if compare.changed() {
             editor.run(Command::Compare, &ui.ctx().clone());
@@ -75,8 +82,7 @@ fn comparing(editor: &mut Editor, ui: &mut Ui) {
             }
         }
     });
-    if editor.is_comparing() {
-        let colour = egui::Color32::from_rgb(230, 170, 70);
-        ui.colored_label(colour, "The terrain is shown as it was");
+    if let Some((text, _)) = editor.comparison() {
+        ui.colored_label(COMPARING, text);
     }
 }

@@ -58,7 +58,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
     document.overview.want(&document.session);
     let entry = document.status.current_entry();
     let map = document.overview.map(ui.ctx(), entry);
-    let difference = document.overview.difference(ui.ctx());
+    let difference = document.past.and_then(|_| document.overview.difference(ui.ctx()));
     let view = &mut editor.panels.map;
     if let Some(difference) = &difference {
         ui.checkbox(&mut view.shows_difference, "Difference").on_hover_text(

@@ -72,7 +72,9 @@ pub(super) fn is_possible(editor: &Editor, command: Command) -> bool {
             document.current_layer().is_some_and(|layer| layer.content.procedure().is_some())
         }
         Command::GoToPlace(number) => editor.place(number).is_some(),
-        Command::Compare => document.now.is_some() || can_undo,
+        Command::Compare | Command::SeeEarlier | Command::Mode(Mode::Difference) => {
+            document.past.is_some() || can_undo
+        }
         Command::Paste => document.copied.is_some(),
         Command::PutDown => editor.viewport.piece.is_some(),
         Command::RemoveLayer => document.status.layers.len() > 1,

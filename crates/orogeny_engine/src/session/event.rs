@@ -2,7 +2,7 @@
 
 use std::sync::mpsc::Sender;
 
-use orogeny_field::SampleRect;
+use orogeny_field::{Page, SampleRect};
 use orogeny_geomip::{PagePlace, PageSummary};
 use orogeny_store::EntryId;
 
@@ -78,8 +78,19 @@ pub struct PageData {
     pub masks: Option<Vec<[u8; 4]>>,
     /// What these masks are where nothing was painted; `None` while a stroke is drawn.
     pub unpainted_masks: Option<[f32; 4]>,
-    /// What is known of the page and of those below it; nothing while a stroke is drawn.
+    /// The whole page as it was then, where a past is open, of a page that is whole.
+    pub earlier: Option<Earlier>,
+    /// What is known of the page and of those below it, and of how they were then; nothing while a stroke is drawn.
     pub summaries: Vec<(PagePlace, PageSummary)>,
+}
+
+/// A page as it was at an earlier entry of the history.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Earlier {
+    /// All of its heights, metres, those beyond the terrain's edge too.
+    pub page: Page,
+    /// The composite where nothing was painted then, metres.
+    pub unpainted_m: f32,
 }
 
 /// Where events go.

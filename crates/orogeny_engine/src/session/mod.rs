@@ -34,7 +34,7 @@ use crate::{BrushOperation, Error, ExportRequest, ImportRequest, Operation, Resu
 use cancelling::Cancelling;
 use participant::By;
 
-pub use event::{Event, PageData, Ticket};
+pub use event::{Earlier, Event, PageData, Ticket};
 pub use participant::Participant;
 pub use status::{HistoryItem, Status};
 pub use survey::Survey;
@@ -104,6 +104,11 @@ enum Task {
     },
     Look(Vec<PageRequest>),
     ShowMasks(Vec<String>),
+    OpenPast {
+        ticket: Ticket,
+        entry: EntryId,
+    },
+    ClosePast,
     /// End, once everything before it is done.
     Close,
 }
@@ -122,6 +127,8 @@ impl Task {
             | Self::Survey { .. }
             | Self::Look(_)
             | Self::ShowMasks(_)
+            | Self::OpenPast { .. }
+            | Self::ClosePast
             | Self::Close => None,
         }
     }
@@ -134,10 +141,14 @@ impl Task {
             | Self::Travel { ticket, .. }
             | Self::Export { ticket, .. }
             | Self::Import { ticket, .. }
-            | Self::Survey { ticket, .. } => Some(*ticket),
-            Self::Points { .. } | Self::Lift { .. } | Self::Look(_) | Self::ShowMasks(_) | Self::Close => {
-                None
-            }
+            | Self::Survey { ticket, .. }
+            | Self::OpenPast { ticket, .. } => Some(*ticket),
+            Self::Points { .. }
+            | Self::Lift { .. }
+            | Self::Look(_)
+            | Self::ShowMasks(_)
+            | Self::ClosePast
+            | Self::Close => None,
         }
     }
 }
@@ -250,6 +261,18 @@ impl Session {
     /// Has the masks of these layers come with pages from now on, four at most; `selection` is the terrain's.
     pub fn show_masks(&self, names: Vec<String>) {
         self.own.send(Task::ShowMasks(names));
+    }
+
+    /// Has pages come with how they were after an entry of the history, too, on any branch; surveys tell by how much the terrain is higher. It stays
+    /// where it is and may be changed; its log is not moved into the file until the past is [closed](Self::close_past). Another past that
+    /// is open is closed.
+    pub fn open_past(&self, entry: EntryId) -> Ticket {
+        self.own.give(|ticket, _| Task::OpenPast { ticket, entry })
+    }
+
+    /// Has pages come as they are, and no more.
+    pub fn close_past(&self) {
+        self.own.send(Task::ClosePast);
     }
 
     /// Waits until all tasks are done, and closes the terrain. What is asked for afterwards is not done.

@@ -93,11 +93,15 @@ pub(super) fn serve(
         Server { terrain, tasks, waiting, looker, out, cancelling, running, history, own_author, taken_back };
     // Nothing of the server but what it was asked is used after a panic.
     match catch_unwind(AssertUnwindSafe(|| server.serve())) {
-        Ok(()) => server.terrain.close(),
+        Ok(()) => {
+            // First, so that no log stays beside the file.
+            server.looker.close_past();
+            server.terrain.close()
+        }
         Err(panic) => {
-            let Server { terrain, tasks, waiting, out, running, .. } = server;
+            let Server { terrain, tasks, waiting, looker, out, running, .. } = server;
             // Gives up what was under way, as a kill would, and lets go of the file before anyone is told to open it again.
-            catch_unwind(AssertUnwindSafe(|| drop(terrain))).ok();
+            catch_unwind(AssertUnwindSafe(|| drop((looker, terrain)))).ok();
             let panicked = Panicked::new(&*panic, out);
             panicked.answer(running, waiting, &tasks);
             Err(panicked.error())
@@ -135,7 +139,7 @@ impl Server {
             },
             Task::Survey { ticket, max_side } => {
                 let watcher = &mut watcher(&self.out, &self.cancelling, ticket);
-                match Survey::of(&self.terrain, max_side, watcher) {
+                match Survey::of(&self.terrain, self.looker.past(), max_side, watcher) {
                     Ok(survey) => return self.out.tell(Event::Surveyed { ticket, survey: Box::new(survey) }),
                     Err(err) => (ticket, Err(err)),
                 }
@@ -143,6 +147,11 @@ impl Server {
             Task::ShowMasks(names) => {
                 self.looker.show_masks(names);
                 return self.out.tell(Event::Changed { rects: None, is_settled: true });
+            }
+            Task::OpenPast { ticket, entry } => (ticket, self.open_past(entry)),
+            Task::ClosePast => {
+                self.looker.close_past();
+                return self.everything_changed();
             }
             // Of a stroke that has failed, or ended.
             Task::Points { .. } | Task::Lift { .. } | Task::Close => return,
@@ -210,6 +219,16 @@ impl Server {
         }?;
         self.changed(self.terrain.changed_by_travel(&travelled)?);
         Ok(Outcome::default())
+    }
+
+    fn open_past(&mut self, entry: EntryId) -> Result<Outcome> {
+        // Before another one is open: each holds back the log.
+        self.looker.close_past();
+        let path = self.terrain.settled()?.path().to_owned();
+        let past = Terrain::open_to_read_at(&path, entry, self.terrain.settings().clone());
+        let opened = past.and_then(|past| self.looker.open_past(past));
+        self.everything_changed();
+        opened.map(|()| Outcome::default())
     }
 
     fn undo_own(&mut self, ticket: Ticket) -> Result<Outcome> {

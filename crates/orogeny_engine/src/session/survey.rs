@@ -13,6 +13,8 @@ const LEAST_SELECTED: f32 = 1.0e-3;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     ground: Ground,
+    /// By how much each height is higher than it was, metres, where a past is open.
+    higher_m: Option<Vec<f32>>,
     /// Samples, each way, that a height stands for.
     pub samples_each: u32,
     /// The level of the terrain that was read: 0 for full resolution.
@@ -24,11 +26,16 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Of a terrain, within so many heights each way.
+    /// Of a terrain, within so many heights each way, compared with how it was.
     ///
     /// # Errors
     /// As [`Terrain::draw_map`]; [`crate::Error::Cancelled`].
-    pub(super) fn of(terrain: &Terrain, max_side: u32, observer: &mut dyn Observer) -> Result<Self> {
+    pub(super) fn of(
+        terrain: &Terrain,
+        past: Option<&Terrain>,
+        max_side: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Self> {
         let grid: TerrainGrid = terrain.grid();
         let rect = grid.bounds();
         let samples_each = rect.width().max(rect.depth()).div_ceil(max_side.max(1)).max(1);
@@ -36,7 +43,12 @@ impl Survey {
         let size_m =
             [ground.width, ground.depth()].map(|num| num as f64 * f64::from(samples_each) * grid.spacing_m());
         let selected_m = selected_m(terrain, max_side)?;
-        Ok(Self { ground, samples_each, level, size_m, selected_m })
+        let earlier = past.map(|past| past.mean_heights(rect, samples_each, observer)).transpose()?;
+        let higher_m = earlier.map(|(earlier, ..)| {
+            let pairs = ground.heights.iter().zip(&earlier.heights);
+            pairs.map(|(now_m, earlier_m)| now_m - earlier_m).collect()
+        });
+        Ok(Self { ground, higher_m, samples_each, level, size_m, selected_m })
     }
 
     /// Heights a row.
@@ -55,6 +67,12 @@ impl Survey {
     #[must_use]
     pub fn heights_m(&self) -> &[f32] {
         &self.ground.heights
+    }
+
+    /// By how much each height is higher than it was, metres; `None` unless a past is open.
+    #[must_use]
+    pub fn higher_m(&self) -> Option<&[f32]> {
+        self.higher_m.as_deref()
     }
 
     /// A shaded map of it, one pixel a height.

@@ -7,10 +7,13 @@ mod request;
 mod scene;
 mod source;
 
+use std::collections::HashMap;
+
 use glam::DVec3;
-use orogeny_field::SampleRect;
+use orogeny_field::{Page, SampleRect};
 use orogeny_geomip::{
-    Camera, FrameReport, MAX_CURSORS, Mode, PagePlace, PageRelief, PageSummaries as _, Renderer, Targets,
+    Camera, FrameReport, MAX_CURSORS, Mode, Overlay, PagePlace, PageRelief, PageSummaries as _, Renderer,
+    Targets,
 };
 use orogeny_gpu::{AdapterChoice, AdapterDescription, Gpu};
 
@@ -41,6 +44,9 @@ const BYTES_AT_ONCE: u64 = 16 << 20;
 /// How far the whole terrain is looked at from above: the tangent.
 const OVERVIEW_TANGENT: f64 = 0.62;
 
+/// Full colour stands for no less, metres: what comes to nothing is to look like nothing.
+const MIN_DIFFERENCE_M: f32 = 1.0e-3;
+
 /// Masks that a material set may ask for.
 const MAX_MASKS: usize = 4;
 
@@ -60,6 +66,19 @@ pub struct View<'a> {
     materials: Option<Materials>,
     masks_of_materials: Vec<String>,
     scenes: SceneMaker,
+    /// What it is compared with.
+    compared: Option<Compared>,
+    /// Whether the pages that are there have the difference over them.
+    shows_difference: bool,
+}
+
+/// What is known of how a terrain differs from an earlier state.
+#[derive(Debug, Default)]
+struct Compared {
+    /// By how much it is higher now where nothing is painted, metres.
+    unpainted_m: f32,
+    /// The most, up or down, of each page that is there, metres.
+    most_m: HashMap<PagePlace, f32>,
 }
 
 /// What a picture was drawn from.
@@ -73,6 +92,8 @@ pub struct Drawn {
     pub target_m: [f64; 3],
     /// What it consisted of.
     pub report: FrameReport,
+    /// In [`Mode::Difference`]: by how much the ground is higher where the colour is full red, and lower where it is full blue, metres.
+    pub difference_m: Option<f32>,
     /// What could not be shown as it is, for people.
     pub notices: Vec<String>,
 }
@@ -102,6 +123,8 @@ impl Terrain {
             materials: None,
             masks_of_materials: Vec::new(),
             scenes: SceneMaker::default(),
+            compared: None,
+            shows_difference: false,
         })
     }
 }
@@ -153,13 +176,29 @@ fn opened<T>(settings: &Settings, open: impl Fn(&AdapterChoice) -> orogeny_gpu::
     })
 }
 
-impl View<'_> {
+impl<'a> View<'a> {
+    /// Says what [`Mode::Difference`] shows the difference to: the same terrain as it was, from [`Terrain::open_to_read_at`].
+    ///
+    /// # Errors
+    /// [`Error::Store`].
+    pub fn compare_with(&mut self, earlier: &'a Terrain) -> Result<()> {
+        let unpainted_m = self.terrain.unpainted_height_m()? - earlier.unpainted_height_m()?;
+        self.source.compare_with(CompositeSource::new(earlier.settled()?, earlier.compositor()));
+        self.compared = Some(Compared { unpainted_m, ..Compared::default() });
+        self.renderer.forget(|_| true);
+        Ok(())
+    }
+
     /// Draws a picture, once all pages that it wants are there. Of a request its size is not looked at: it is the view's.
     ///
     /// # Errors
-    /// [`Error::View`] for values out of range; [`Error::Store`], [`Error::Gpu`]; [`Error::Cancelled`] by the observer.
+    /// [`Error::View`] for values out of range; [`Error::NothingToCompare`]; [`Error::Store`], [`Error::Gpu`]; [`Error::Cancelled`] by the
+    /// observer.
     pub fn draw(&mut self, request: &ViewRequest, observer: &mut dyn Observer) -> Result<Drawn> {
         request.check()?;
+        if request.mode == Mode::Difference && self.compared.is_none() {
+            return Err(Error::NothingToCompare);
+        }
         let (eye_m, target_m) = self.places(request)?;
         if request.mode == Mode::Textured && self.materials.as_ref() != Some(&request.materials) {
             let (set, layers) = materials::resolve(&request.materials, self.range_m())?;
@@ -168,9 +207,17 @@ impl View<'_> {
             self.materials = Some(request.materials.clone());
         }
         self.show_masks(request)?;
+        let shows_difference = request.mode == Mode::Difference;
+        if std::mem::replace(&mut self.shows_difference, shows_difference) != shows_difference {
+            self.renderer.forget(|_| true);
+        }
         let camera = Camera::looking_at(eye_m, target_m, request.fov_degrees.to_radians(), self.size_px);
-        let range_m = request.range_m.unwrap_or_else(|| self.range_m());
-        let scene = self.scenes.scene(request, range_m, self.source.unpainted_masks());
+        let heights_m = request.range_m.filter(|_| !shows_difference);
+        let mut scene = self.scenes.scene(
+            request,
+            heights_m.unwrap_or_else(|| self.range_m()),
+            self.source.unpainted_masks(),
+        );
         let (grid, layout) = (self.terrain.grid(), self.terrain.store()?.layout());
         let relief = PageRelief::new(grid, layout, &self.source);
         let missing = self.renderer.want(&camera, &scene, &relief);
@@ -179,14 +226,31 @@ impl View<'_> {
         for (chunk, done) in missing.chunks(pages_at_once).zip((0_u64..).step_by(pages_at_once)) {
             crate::progress::report(observer, "reading", done, total)?;
             for place in chunk {
-                let masks = self.source.masks_over(*place);
-                self.renderer.upload(*place, &self.source.page(*place)?, masks.as_deref())?;
+                let heights = self.source.page(*place)?;
+                let earlier = if shows_difference { self.source.earlier_page(*place)? } else { None };
+                if let (Some(earlier), Some(compared)) = (earlier, &mut self.compared) {
+                    let higher_m = higher_m(&heights, &earlier);
+                    compared.most_m.insert(*place, most_m(&higher_m));
+                    self.renderer.upload(*place, &heights, Some(Overlay::Difference(&higher_m)))?;
+                } else {
+                    let masks = self.source.masks_over(*place);
+                    self.renderer.upload(*place, &heights, masks.as_deref().map(Overlay::Masks))?;
+                }
             }
             // So that copies do not pile up.
             self.gpu.queue().submit([]);
             self.gpu.wait()?;
         }
         crate::progress::report(observer, "drawing", 0, 1)?;
+        let difference_m = self.compared.as_ref().filter(|_| shows_difference).map(|compared| {
+            let shown = compared.most_m.iter().filter(|(place, _)| self.renderer.is_shown(**place));
+            let most_m = shown.map(|(_, most_m)| *most_m).fold(compared.unpainted_m.abs(), f32::max);
+            scene.unpainted_overlay = [compared.unpainted_m, 0.0, 0.0, 0.0];
+            full_colour_m(request, most_m)
+        });
+        if let Some(difference_m) = difference_m {
+            scene.overlay_range = [-difference_m, difference_m];
+        }
         let report = self.renderer.draw(&camera, &scene, &relief, &self.targets)?;
         let pixels = self.targets.read(&self.gpu)?;
         self.gpu.check()?;
@@ -204,6 +268,7 @@ impl View<'_> {
             eye_m: eye_m.to_array(),
             target_m: target_m.to_array(),
             report,
+            difference_m,
             notices: self.source.notices(),
         })
     }
@@ -302,6 +367,23 @@ impl View<'_> {
         let ground = Ground { width: rect.width() as usize, heights, spacing_m };
         Ok(ground.between([(x - f64::from(x0)) as f32, (z - f64::from(z0)) as f32]))
     }
+}
+
+/// By how much each sample of a page is higher than it was, metres.
+fn higher_m(now: &Page, earlier: &Page) -> Vec<f32> {
+    now.samples().iter().zip(earlier.samples()).map(|(now_m, earlier_m)| now_m - earlier_m).collect()
+}
+
+/// The most that a difference comes to, up or down.
+fn most_m(higher_m: &[f32]) -> f32 {
+    higher_m.iter().fold(0.0, |most_m, by_m| most_m.max(by_m.abs()))
+}
+
+/// The difference that has the full colour: what the request says, else the most that is looked at. As much up as down, so that nothing
+/// has the colour in the middle but what is as it was.
+fn full_colour_m(request: &ViewRequest, most_m: f32) -> f32 {
+    let asked_for = request.range_m.map(|[low_m, high_m]| low_m.abs().max(high_m.abs()));
+    asked_for.unwrap_or(most_m).max(MIN_DIFFERENCE_M)
 }
 
 fn view_error(what: &'static str, value: f64, [low, high]: [f64; 2]) -> Error {

@@ -57,7 +57,8 @@ pub struct ViewRequest {
     pub cursors: Vec<Cursor>,
     /// Height of a plane of water, metres.
     pub water_level_m: Option<f32>,
-    /// Heights of the first and the last colour, metres; `None`: those of the terrain.
+    /// Heights of the first and the last colour, metres; `None`: those of the terrain. In [`Mode::Difference`]: differences, of which the larger
+    /// one, up or down, has the full colour; `None`: the largest that is looked at.
     pub range_m: Option<[f32; 2]>,
     /// From contour line to contour line, metres; `None`: about 25 lines.
     pub contour_m: Option<f32>,

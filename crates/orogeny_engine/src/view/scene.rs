@@ -31,7 +31,7 @@ impl SceneMaker {
         &mut self,
         request: &ViewRequest,
         range_m: [f32; 2],
-        unpainted_masks: [f32; 4],
+        unpainted_overlay: [f32; 4],
     ) -> Scene {
         let span_m = (range_m[1] - range_m[0]).max(1.0e-3);
         let sky = self.sky(request);
@@ -55,7 +55,7 @@ impl SceneMaker {
             range_m,
             contour_m: request.contour_m.unwrap_or_else(|| round_step(span_m / 25.0)),
             overlay_range: [0.0, 1.0],
-            unpainted_masks,
+            unpainted_overlay,
             cursors: request.cursors.clone(),
         }
     }

@@ -37,6 +37,8 @@ pub(crate) struct CompositeSource<'a> {
     compositor: &'a RefCell<Compositor>,
     /// What is shown over the ground, or asked for by materials.
     masks: Vec<Mask>,
+    /// What it is compared with: the same terrain as it was.
+    earlier: Option<Box<Self>>,
     known: RefCell<HashMap<PagePlace, PageSummary>>,
     /// Damaged pages of which a coarser level is shown.
     damaged: RefCell<BTreeSet<PageKey>>,
@@ -50,10 +52,22 @@ impl<'a> CompositeSource<'a> {
             store,
             compositor,
             masks: Vec::new(),
+            earlier: None,
             known: RefCell::default(),
             damaged: RefCell::default(),
             failure: RefCell::default(),
         }
+    }
+
+    /// Is compared with an earlier state from now on: what is known of a page then holds for both.
+    pub(crate) fn compare_with(&mut self, earlier: Self) {
+        self.earlier = Some(Box::new(earlier));
+        self.known.borrow_mut().clear();
+    }
+
+    /// A page of the earlier state, where there is one to compare with.
+    pub(crate) fn earlier_page(&self, place: PagePlace) -> Result<Option<Page>> {
+        self.earlier.as_ref().map(|earlier| earlier.page(place)).transpose()
     }
 
     /// The mask of a layer by its name, or the terrain's selection: `selection`.
@@ -120,7 +134,7 @@ impl<'a> CompositeSource<'a> {
     }
 
     /// A page of the composite; where one is damaged, of what is left of it.
-    pub(super) fn page(&self, place: PagePlace) -> Result<Page> {
+    pub(crate) fn page(&self, place: PagePlace) -> Result<Page> {
         let layout = self.store.layout();
         let page_rect = page_rect(layout, place);
         let rect = page_rect.intersection(&self.store.grid().bounds_at(place.level));
@@ -152,12 +166,15 @@ impl<'a> CompositeSource<'a> {
 
     /// Whether all of the directory could be read so far.
     pub(crate) fn check(&self) -> Result<()> {
-        self.failure.borrow_mut().take().map_or(Ok(()), Err)
+        self.failure.borrow_mut().take().map_or(Ok(()), Err)?;
+        self.earlier.as_ref().map_or(Ok(()), |earlier| earlier.check())
     }
 
     /// What of the pictures so far could not be shown as it is.
     pub(super) fn notices(&self) -> Vec<String> {
-        self.damaged.borrow().iter().map(damage_notice).collect()
+        let earlier = self.earlier.iter().flat_map(|earlier| earlier.notices());
+        let notices: BTreeSet<_> = self.damaged.borrow().iter().map(damage_notice).chain(earlier).collect();
+        notices.into_iter().collect()
     }
 
     /// What cannot be read or worked out counts as constant, and is told by [`Self::check`].
@@ -168,7 +185,15 @@ impl<'a> CompositeSource<'a> {
             PageSummary { bounds: HeightBounds::of(0.0), error_m: 0.0, is_constant: true }
         });
         let is_masked = |mask: &Mask| mask.key(place).is_some_and(|key| self.surface(&key).is_some());
-        PageSummary { is_constant: summary.is_constant && !self.masks.iter().any(is_masked), ..summary }
+        let summary =
+            PageSummary { is_constant: summary.is_constant && !self.masks.iter().any(is_masked), ..summary };
+        let Some(earlier) = &self.earlier else { return summary };
+        let earlier = earlier.summary(place);
+        PageSummary {
+            bounds: summary.bounds.with(earlier.bounds),
+            error_m: summary.error_m.max(earlier.error_m),
+            is_constant: summary.is_constant && earlier.is_constant,
+        }
     }
 }
 

@@ -31,12 +31,9 @@ use crate::{
 };
 
 pub use materials::MaterialUniform;
-pub use scene::{Cursor, Fog, Light, Mode, Scene};
+pub use scene::{Cursor, Fog, Light, Mode, Overlay, Scene};
 pub use targets::Targets;
 pub use uniforms::{FrameUniform, MAX_CURSORS, TileInstance};
-
-/// Four masks a sample.
-const OVERLAY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Tiles of a picture, those out of sight too: with those of the shadow maps they fit into one binding.
 const MAX_TILES: usize = 1 << 16;
@@ -132,7 +129,7 @@ impl Renderer {
             unpainted_m,
             slots: Slots::new(heights.num_slots()),
             heights,
-            overlay: PageTexture::none(gpu, "orogeny.no_overlay", OVERLAY_FORMAT, layout)?,
+            overlay: PageTexture::none(gpu, "orogeny.no_overlay", wgpu::TextureFormat::R32Float, layout)?,
             active: HashMap::new(),
             num_missing: 0,
             pipelines: Pipelines::new(gpu)?,
@@ -165,31 +162,41 @@ impl Renderer {
         missing
     }
 
-    /// Takes a page that was wanted: heights, and four masks over them, a byte each, where 255 is 1: the first is what [`Mode::Overlay`] shows, and they are the
-    /// masks of a material set, in its order. One for which there is no room is left out.
+    /// Takes a page that was wanted: heights, and what lies over them. One for which there is no room is left out. Where another kind lies over
+    /// it than over those before, theirs is gone: they are to be [forgotten](Self::forget), or taken again.
     ///
     /// # Errors
     /// When there is no memory for the overlay.
-    pub fn upload(&mut self, place: PagePlace, heights: &Page, masks: Option<&[[u8; 4]]>) -> Result<()> {
+    pub fn upload(&mut self, place: PagePlace, heights: &Page, overlay: Option<Overlay<'_>>) -> Result<()> {
         let Some(slot) = self.slots.admit(place) else { return Ok(()) };
         self.heights.write(&self.gpu, slot, bytemuck::cast_slice(heights.samples()));
-        if let Some(masks) = masks {
-            if self.overlay.num_slots() < self.heights.num_slots() {
-                let num_slots = self.heights.num_slots();
-                self.overlay = PageTexture::new(
-                    &self.gpu,
-                    "orogeny.drawn.overlay",
-                    OVERLAY_FORMAT,
-                    self.layout,
-                    num_slots,
-                    num_slots,
-                )?;
+        if let Some(overlay) = overlay {
+            let (format, samples): (_, &[u8]) = match overlay {
+                Overlay::Masks(masks) => (wgpu::TextureFormat::Rgba8Unorm, bytemuck::cast_slice(masks)),
+                Overlay::Difference(higher_m) => {
+                    (wgpu::TextureFormat::R32Float, bytemuck::cast_slice(higher_m))
+                }
+            };
+            let num_slots = self.heights.num_slots();
+            if self.overlay.num_slots() < num_slots || self.overlay.format() != format {
+                let label = "orogeny.drawn.overlay";
+                self.overlay = PageTexture::new(&self.gpu, label, format, self.layout, num_slots, num_slots)?;
             }
-            self.overlay.write(&self.gpu, slot, bytemuck::cast_slice(masks));
+            self.overlay.write(&self.gpu, slot, samples);
         }
         if self.active.insert(place, Holder::Slot(slot)).is_none() {
             self.num_missing = self.num_missing.saturating_sub(1);
         }
+        Ok(())
+    }
+
+    /// Has nothing lie over the pages that are there.
+    ///
+    /// # Errors
+    /// When there is no memory even for that.
+    pub fn forget_overlay(&mut self) -> Result<()> {
+        let (label, format) = ("orogeny.no_overlay", wgpu::TextureFormat::R32Float);
+        self.overlay = PageTexture::none(&self.gpu, label, format, self.layout)?;
         Ok(())
     }
 

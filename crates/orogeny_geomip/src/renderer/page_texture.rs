@@ -79,6 +79,10 @@ impl PageTexture {
         self.num_slots
     }
 
+    pub(super) fn format(&self) -> wgpu::TextureFormat {
+        self.texture.format()
+    }
+
     pub(super) const fn view(&self) -> &wgpu::TextureView {
         &self.view
     }

@@ -25,11 +25,13 @@ pub enum Mode {
     Details,
     /// A mask over the ground.
     Overlay,
+    /// By how much it is higher than it was, red, or lower, blue.
+    Difference,
 }
 
 impl Mode {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Shaded,
         Self::Textured,
         Self::Wireframe,
@@ -40,6 +42,7 @@ impl Mode {
         Self::Normals,
         Self::Details,
         Self::Overlay,
+        Self::Difference,
     ];
 
     /// What users call it.
@@ -56,6 +59,7 @@ impl Mode {
             Self::Normals => "normals",
             Self::Details => "details",
             Self::Overlay => "mask",
+            Self::Difference => "difference",
         }
     }
 
@@ -69,9 +73,19 @@ impl Mode {
             Self::Contours => 4,
             Self::Normals => 5,
             Self::Details => 6,
-            Self::Overlay => 7,
+            // Both are colours of what lies over the ground, from blue by grey to red.
+            Self::Overlay | Self::Difference => 7,
         }
     }
+}
+
+/// What lies over the ground of a page, sample by sample. A picture shows one kind of it alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Overlay<'a> {
+    /// Four masks, a byte each, where 255 is 1: the first is what [`Mode::Overlay`] shows, and they are the masks of a material set, in its order.
+    Masks(&'a [[u8; 4]]),
+    /// What [`Mode::Difference`] shows: by how much the ground is higher than it was, metres.
+    Difference(&'a [f32]),
 }
 
 /// How light meets the ground and the screen.
@@ -136,8 +150,8 @@ pub struct Scene {
     pub contour_m: f32,
     /// Values of the first and the last colour of the overlay.
     pub overlay_range: [f32; 2],
-    /// What the four masks are where nothing was painted, 0..=1.
-    pub unpainted_masks: [f32; 4],
+    /// What lies over the ground where nothing was painted: four masks, 0..=1, or in the first the difference, metres.
+    pub unpainted_overlay: [f32; 4],
     /// Brushes' rings.
     pub cursors: Vec<Cursor>,
 }

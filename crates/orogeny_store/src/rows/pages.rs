@@ -59,18 +59,29 @@ fn max_blob_bytes(layout: PageLayout) -> i64 {
     i64::try_from(codec::max_size_in_bytes(layout.num_samples())).unwrap_or(i64::MAX)
 }
 
+/// A page with its bytes.
+const PAGE: &str = "SELECT page.revision, page.min_m, page.max_m, page.error_m,
+                           page.codec, page.checksum, length(page_data.bytes),
+                           CASE WHEN length(page_data.bytes) <= ?5 THEN page_data.bytes END
+                    FROM page LEFT JOIN page_data ON page_data.id = page.data
+                    WHERE page.field = ?1 AND page.level = ?2 AND page.z = ?3 AND page.x = ?4";
+
+/// The same of a state that is not the file's: bytes that are the same are still there.
+const PAST_PAGE: &str = "SELECT page.revision, page.min_m, page.max_m, page.error_m,
+                                page.codec, page.checksum, length(coalesce(own.bytes, same.bytes)),
+                                CASE WHEN length(coalesce(own.bytes, same.bytes)) <= ?5
+                                     THEN coalesce(own.bytes, same.bytes) END
+                         FROM temp.page AS page
+                         LEFT JOIN temp.page_data AS own ON own.id = page.data
+                         LEFT JOIN main.page_data AS same ON same.id = page.data
+                         WHERE page.field = ?1 AND page.level = ?2 AND page.z = ?3 AND page.x = ?4";
+
 impl Database {
     /// A page, its checksum verified; `None` where the terrain has no such page.
     pub(crate) fn page(&self, layout: PageLayout, key: &PageKey) -> Result<Option<PageRow>> {
         type Columns = (PageInfo, u8, Checksum, Option<i64>, Option<Vec<u8>>);
         let columns: Option<Columns> = self
-            .statement(
-                "SELECT page.revision, page.min_m, page.max_m, page.error_m,
-                        page.codec, page.checksum, length(page_data.bytes),
-                        CASE WHEN length(page_data.bytes) <= ?5 THEN page_data.bytes END
-                 FROM page LEFT JOIN page_data ON page_data.id = page.data
-                 WHERE page.field = ?1 AND page.level = ?2 AND page.z = ?3 AND page.x = ?4",
-            )
+            .statement(if self.is_past() { PAST_PAGE } else { PAGE })
             .and_then(|mut statement| {
                 statement
                     .query_row(params![key.field.0, key.level, key.z, key.x, max_blob_bytes(layout)], |row| {
@@ -194,8 +205,12 @@ impl Database {
             .query_row(params![key.field.0, key.level, key.z, key.x], |row| row.get(0))
             .optional()?;
         let data = if let Some(data) = old_data {
-            self.statement("UPDATE page_data SET bytes = ?2 WHERE id = ?1")?
-                .execute(params![data, page.bytes])?;
+            let sql = if self.is_past() {
+                "INSERT OR REPLACE INTO page_data (id, bytes) VALUES (?1, ?2)"
+            } else {
+                "UPDATE page_data SET bytes = ?2 WHERE id = ?1"
+            };
+            self.statement(sql)?.execute(params![data, page.bytes])?;
             data
         } else {
             self.statement("INSERT INTO page_data (bytes) VALUES (?1)")?.insert([&page.bytes])?

@@ -32,7 +32,9 @@ pub(super) fn run(arguments: &Arguments, path: &Path, session: &Session) -> anyh
     let flight = Flight::from_json(&text).with_context(|| format!("`{}`", path.display()))?;
     let request = arguments.request();
     let terrain = session.open_to_read(&arguments.terrain)?;
+    let past = arguments.past(session)?;
     let mut view = terrain.view(request.size_px)?;
+    past.iter().try_for_each(|past| view.compare_with(past))?;
     let (mut files, mut frames) = (Vec::new(), Vec::new());
     let mut watch = ProgressWatch::new();
     for (number, request) in (1..).zip(flight.frames(&request)) {

@@ -22,7 +22,8 @@ pub struct Arguments {
     /// Pixels: of the picture, or for --map those that it fits into [default: 1280x720, for --map 1024x1024]
     #[arg(long, value_name = "WxH", value_parser = values::size::<u32>)]
     size: Option<[u32; 2]>,
-    /// Heights in metres of the first and the last colour [default: the lowest and the highest there are]
+    /// Heights in metres of the first and the last colour [default: the lowest and the highest there are]; for --mode difference, differences:
+    /// the larger one, up or down, is fully red, or fully blue [default: the largest that is looked at]
     #[arg(long, value_name = "LO,HI", value_parser = values::range, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
     /// A shaded map from above, tinted by height; needs no adapter that could draw

@@ -4,7 +4,9 @@ use std::fmt;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use orogeny_engine::{Cursor, Drawn, FrameReport, Materials, Metric, Mode, Place, ViewRequest};
+use orogeny_engine::{
+    Cursor, Drawn, EntryId, FrameReport, Materials, Metric, Mode, Place, Terrain, ViewRequest,
+};
 use serde::Serialize;
 
 use super::Arguments;
@@ -34,6 +36,9 @@ pub struct ViewArguments {
     /// For --mode mask: the name of the layer whose mask is shown, or `selection`
     #[arg(long, value_name = "LAYER", default_value = "selection", conflicts_with = "map")]
     mask: String,
+    /// For --mode difference: the entry of the history since when, as `log` numbers them; 0: since the terrain was made
+    #[arg(long, value_name = "ENTRY", required_if_eq("mode", "difference"), conflicts_with = "map")]
+    since: Option<u32>,
     /// Where the sun stands: degrees from north, clockwise, and above the horizon
     #[arg(long, value_name = "AZIMUTH,ALTITUDE", default_value = "300,32", value_parser = values::sun, allow_hyphen_values = true, conflicts_with = "map")]
     sun: [f64; 2],
@@ -95,6 +100,8 @@ enum ModeName {
     Details,
     /// A mask over the ground: see --mask
     Mask,
+    /// By how much it is higher, red, or lower, blue, than it was: see --since and --range
+    Difference,
 }
 
 impl From<ModeName> for Mode {
@@ -110,6 +117,7 @@ impl From<ModeName> for Mode {
             ModeName::Normals => Self::Normals,
             ModeName::Details => Self::Details,
             ModeName::Mask => Self::Overlay,
+            ModeName::Difference => Self::Difference,
         }
     }
 }
@@ -124,6 +132,12 @@ enum MetricName {
 }
 
 impl Arguments {
+    /// What it is compared with, where that is to be shown.
+    pub(super) fn past(&self, session: &Session) -> anyhow::Result<Option<Terrain>> {
+        let since = self.view.since.filter(|_| matches!(self.view.mode, ModeName::Difference));
+        since.map(|entry| session.open_to_read_at(&self.terrain, EntryId(entry))).transpose()
+    }
+
     /// What is asked for, from the eye on.
     pub(super) fn request(&self) -> ViewRequest {
         let view = &self.view;
@@ -165,6 +179,8 @@ pub(super) struct Seen {
     draw_calls: u32,
     pages: u32,
     missing_pages: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    difference_m: Option<f32>,
 }
 
 impl From<&Drawn> for Seen {
@@ -178,6 +194,7 @@ impl From<&Drawn> for Seen {
             draw_calls: num_draw_calls,
             pages: num_pages,
             missing_pages: num_missing,
+            difference_m: drawn.difference_m,
         }
     }
 }
@@ -200,7 +217,9 @@ pub(super) fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()
     let start = Instant::now();
     let request = arguments.request();
     let terrain = session.open_to_read(&arguments.terrain)?;
+    let past = arguments.past(session)?;
     let mut view = terrain.view(request.size_px)?;
+    past.iter().try_for_each(|past| view.compare_with(past))?;
     let drawn = view.draw(&request, &mut ProgressWatch::new())?;
     drawn.picture.write(&arguments.file)?;
     let adapter = view.adapter().to_string();
@@ -229,6 +248,9 @@ impl fmt::Display for Report {
             "  from {eye_x:.1},{eye_y:.1},{eye_z:.1} towards {x:.1},{y:.1},{z:.1}: {} triangles of {} tiles in {} draw calls, {} pages",
             seen.triangles, seen.tiles, seen.draw_calls, seen.pages
         )?;
+        if let Some(difference_m) = seen.difference_m {
+            writeln!(f, "  red: {difference_m:.3} m higher than it was, blue: as much lower")?;
+        }
         if seen.missing_pages > 0 {
             writeln!(
                 f,

@@ -7,14 +7,14 @@ use orogeny_geomip::{Ground, PagePlace, PageRelief, PageSummaries, PageSummary, 
 
 use crate::composite::usual_error_m;
 use crate::session::{PageData, Status};
-use crate::view::page_rect;
+use crate::view::{higher_m, most_m, page_rect};
 
 /// Pages and summaries, as far as they have arrived.
 #[derive(Debug)]
 pub(super) struct Known {
     pub(super) grid: TerrainGrid,
     pub(super) layout: PageLayout,
-    unpainted_m: f32,
+    pub(super) unpainted_m: f32,
     summaries: HashMap<PagePlace, PageSummary>,
     held: HashMap<PagePlace, Held>,
     /// While a stroke is drawn, pages as they were when it began, of those that changed since; `None`: it was not there.
@@ -29,6 +29,8 @@ pub(super) struct Known {
 #[derive(Debug)]
 struct Held {
     page: Page,
+    /// How it was, and the most by which it differs from that, metres; where a past is open.
+    earlier: Option<(Page, f32)>,
     /// What of it is no longer so, in samples of its level.
     stale: SampleRect,
 }
@@ -110,7 +112,8 @@ impl Known {
         }
         let layout = self.layout;
         if data.rect == whole {
-            let fresh = || Held { page: Page::constant(layout, 0.0), stale: SampleRect::EMPTY };
+            let fresh =
+                || Held { page: Page::constant(layout, 0.0), earlier: None, stale: SampleRect::EMPTY };
             self.held.entry(place).or_insert_with(fresh);
         }
         let held = self.held.get_mut(&place)?;
@@ -122,7 +125,30 @@ impl Known {
                 to.copy_from_slice(samples);
             }
         }
+        if data.rect == whole {
+            held.earlier = data.earlier.as_ref().map(|earlier| (earlier.page.clone(), 0.0));
+        }
+        if let Some((earlier, most)) = &mut held.earlier {
+            *most = most_m(&higher_m(&held.page, earlier));
+        }
         Some((&held.page, first, num))
+    }
+
+    /// A page that is there, as it is and, where that is known, as it was.
+    pub(super) fn page(&self, place: PagePlace) -> Option<(&Page, Option<&Page>)> {
+        let held = self.held.get(&place)?;
+        Some((&held.page, held.earlier.as_ref().map(|(earlier, _)| earlier)))
+    }
+
+    /// The pages that are there.
+    pub(super) fn places(&self) -> Vec<PagePlace> {
+        self.held.keys().copied().collect()
+    }
+
+    /// The most by which pages differ from how they were, of those that are shown, metres; `None` where that is known of none.
+    pub(super) fn difference_m(&self, is_shown: impl Fn(PagePlace) -> bool) -> Option<f32> {
+        let shown = self.held.iter().filter(|(place, _)| is_shown(**place));
+        shown.filter_map(|(_, held)| held.earlier.as_ref().map(|(_, most_m)| *most_m)).reduce(f32::max)
     }
 
     /// Bounds that hold what has arrived of a stroke on its way, of the page and of those above it.
@@ -186,11 +212,6 @@ impl Known {
             self.summaries.remove(place);
         }
         wanted
-    }
-
-    #[cfg(test)]
-    pub(super) fn page(&self, place: PagePlace) -> Option<&Page> {
-        self.held.get(&place).map(|held| &held.page)
     }
 
     /// Lowest and highest height of the terrain, metres.

@@ -13,12 +13,14 @@ use std::sync::mpsc::{Receiver, channel};
 use glam::DVec3;
 use orogeny_field::SampleRect;
 use orogeny_geomip::material::{ResolvedSet, SurfaceTexture};
-use orogeny_geomip::{Camera, FrameReport, Mode, PagePlace, PageRelief, Ray, Renderer, Targets, pick};
+use orogeny_geomip::{
+    Camera, FrameReport, Mode, Overlay, PagePlace, PageRelief, Ray, Renderer, Targets, pick,
+};
 use orogeny_gpu::Gpu;
 
 use self::known::Known;
 use super::scene::SceneMaker;
-use super::{MAX_MASKS, Materials, ViewRequest, materials};
+use super::{MAX_MASKS, Materials, ViewRequest, full_colour_m, higher_m, materials};
 use crate::session::{Event, PageRequest, Status};
 use crate::{Error, Result};
 
@@ -52,6 +54,12 @@ pub struct LiveView {
     masks_of_materials: Vec<String>,
     /// What the masks that came with pages are where nothing was painted.
     unpainted_masks: [f32; 4],
+    /// Of how the terrain was, its height where nothing was painted, metres, as far as that has come.
+    unpainted_earlier_m: Option<f32>,
+    /// Whether pages are drawn as they were.
+    shows_earlier: bool,
+    /// Whether the pages that are there have the difference over them.
+    shows_difference: bool,
 }
 
 impl LiveView {
@@ -83,6 +91,9 @@ impl LiveView {
             has_surfaces: false,
             masks_of_materials: Vec::new(),
             unpainted_masks: [0.0; 4],
+            unpainted_earlier_m: None,
+            shows_earlier: false,
+            shows_difference: false,
         })
     }
 
@@ -94,7 +105,7 @@ impl LiveView {
         match event {
             Event::Status(status) => {
                 self.known.take_status(status);
-                self.renderer.set_unpainted_m(status.unpainted_m);
+                self.set_unpainted_m();
             }
             Event::Changed { rects, is_settled } => {
                 self.known.note_changed(rects.as_deref(), *is_settled);
@@ -108,10 +119,15 @@ impl LiveView {
                 for data in pages {
                     self.unpainted_masks = data.unpainted_masks.unwrap_or(self.unpainted_masks);
                     let Some((page, first, num)) = self.known.take(data) else { continue };
-                    if data.masks.is_some() || !self.renderer.holds(data.place) {
-                        self.renderer.upload(data.place, page, data.masks.as_deref())?;
+                    let is_compared = self.shows_earlier || self.shows_difference;
+                    if is_compared || data.masks.is_some() || !self.renderer.holds(data.place) {
+                        self.upload(data.place, data.masks.as_deref())?;
                     } else {
                         self.renderer.upload_part(data.place, page, first, num);
+                    }
+                    if let Some(earlier) = &data.earlier {
+                        self.unpainted_earlier_m = Some(earlier.unpainted_m);
+                        self.set_unpainted_m();
                     }
                 }
                 let renderer = &self.renderer;
@@ -120,6 +136,60 @@ impl LiveView {
             Event::Surveyed { .. } | Event::Progress { .. } | Event::Done { .. } | Event::Failed { .. } => {}
         }
         Ok(())
+    }
+
+    /// Hands over a page that has come, with what lies over it.
+    fn upload(&mut self, place: PagePlace, masks: Option<&[[u8; 4]]>) -> Result<()> {
+        let Some((page, earlier)) = self.known.page(place) else { return Ok(()) };
+        let shown = earlier.filter(|_| self.shows_earlier).unwrap_or(page);
+        if self.shows_difference {
+            // Until it is known by how much, it is as it was.
+            let higher_m = higher_m(page, earlier.unwrap_or(page));
+            self.renderer.upload(place, shown, Some(Overlay::Difference(&higher_m)))?;
+        } else {
+            self.renderer.upload(place, shown, masks.map(Overlay::Masks))?;
+        }
+        Ok(())
+    }
+
+    /// Hands over again what has come: what of it is shown is another thing now.
+    fn upload_all(&mut self) -> Result<()> {
+        for place in
+            self.known.places().into_iter().filter(|place| self.renderer.holds(*place)).collect::<Vec<_>>()
+        {
+            self.upload(place, None)?;
+        }
+        Ok(())
+    }
+
+    fn set_unpainted_m(&mut self) {
+        let earlier_m = self.unpainted_earlier_m.filter(|_| self.shows_earlier);
+        self.renderer.set_unpainted_m(earlier_m.unwrap_or(self.known.unpainted_m));
+    }
+
+    /// Whether the ground is drawn as it was, as far as that has come: where the session has a [past open](crate::session::Session::open_past).
+    /// What is told of places is how it is.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when there is no memory for it.
+    pub fn show_earlier(&mut self, is_earlier: bool) -> Result<()> {
+        if std::mem::replace(&mut self.shows_earlier, is_earlier) != is_earlier {
+            self.set_unpainted_m();
+            self.upload_all()?;
+        }
+        Ok(())
+    }
+
+    /// In [`Mode::Difference`]: by how much the ground is higher where the colour is full red, and lower where it is full blue, metres, in a
+    /// picture of this request; `None` until anything is known of how it was.
+    #[must_use]
+    pub fn difference_m(&self, request: &ViewRequest) -> Option<f32> {
+        let most_m = self.known.difference_m(|place| self.renderer.is_shown(place))?;
+        Some(full_colour_m(request, most_m.max(self.unpainted_difference_m().abs())))
+    }
+
+    fn unpainted_difference_m(&self) -> f32 {
+        self.unpainted_earlier_m.map_or(0.0, |earlier_m| self.known.unpainted_m - earlier_m)
     }
 
     /// Draws from what is there. Of a request, eye, target, field of view and size are the camera's.
@@ -139,8 +209,22 @@ impl LiveView {
         if request.mode == Mode::Textured && !self.has_surfaces {
             request.mode = Mode::Shaded;
         }
-        let range_m = request.range_m.unwrap_or_else(|| self.known.range_m());
-        let scene = self.scenes.scene(&request, range_m, self.unpainted_masks);
+        let shows_difference = request.mode == Mode::Difference;
+        if std::mem::replace(&mut self.shows_difference, shows_difference) != shows_difference {
+            // Masks come anew, where any are shown.
+            self.renderer.forget_overlay()?;
+            if shows_difference {
+                self.upload_all()?;
+            }
+        }
+        let heights_m = request.range_m.filter(|_| !shows_difference);
+        let range_m = heights_m.unwrap_or_else(|| self.known.range_m());
+        let mut scene = self.scenes.scene(&request, range_m, self.unpainted_masks);
+        if shows_difference {
+            let most_m = self.difference_m(&request).unwrap_or(1.0);
+            scene.overlay_range = [-most_m, most_m];
+            scene.unpainted_overlay = [self.unpainted_difference_m(), 0.0, 0.0, 0.0];
+        }
         let relief = PageRelief::new(self.known.grid, self.known.layout, &self.known);
         self.missing = self.renderer.want(camera, &scene, &relief);
         let report = self.renderer.draw(camera, &scene, &relief, &self.targets)?;

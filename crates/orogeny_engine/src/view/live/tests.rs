@@ -2,11 +2,13 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use orogeny_field::{PointerSample, TerrainGrid};
-use orogeny_geomip::PagePlace;
+use orogeny_geomip::{Camera, Mode, PagePlace};
 
+use super::LiveView;
 use super::known::Known;
 use crate::session::{Event, PageRequest, Session, Status, Ticket, Travel};
-use crate::{Adapter, BrushOperation, Operation, Quiet, Settings, Terrain};
+use crate::view::{ViewRequest, drawing_gpu};
+use crate::{Adapter, BrushOperation, EntryId, Operation, Quiet, Settings, Terrain};
 
 const WAIT: Duration = Duration::from_secs(120);
 
@@ -178,7 +180,7 @@ impl Onlooker {
         let seen = self.known.as_ref().unwrap();
         for PageRequest { place, .. } in self.everything() {
             let bits = |known: &Known| -> Vec<u32> {
-                known.page(place).unwrap().samples().iter().map(|height| height.to_bits()).collect()
+                known.page(place).unwrap().0.samples().iter().map(|height| height.to_bits()).collect()
             };
             assert!(bits(seen) == bits(&fresh), "{what}: {place:?} is not as it was seen");
         }
@@ -347,4 +349,85 @@ fn heights_are_told_from_the_finest_page_that_is_still_true() {
     // Only coarse pages were asked for again: the fine ones are of a ground that is no more.
     let coarse_m = known.height_at(place);
     assert!(coarse_m != fine_m && (coarse_m - fine_m).abs() < 5.0, "{coarse_m} {fine_m}");
+}
+
+/// Draws a session until all is there: how it was, or how it is.
+fn drawn(session: &Session, view: &mut Option<LiveView>, mode: Mode, is_earlier: bool) -> Vec<u8> {
+    let size_px = [160, 90];
+    let gpu = drawing_gpu(&Settings { adapter: Adapter::Software, ..settings() }).unwrap();
+    let request = ViewRequest { mode, has_shadows: false, max_error_px: 0.1, ..ViewRequest::default() };
+    let (eye, target) = (glam::DVec3::new(350.0, 420.0, 760.0), glam::DVec3::new(350.0, 20.0, 300.0));
+    let camera = Camera::looking_at(eye, target, 0.8, size_px);
+    let start = Instant::now();
+    loop {
+        assert!(start.elapsed() < WAIT, "it is never complete");
+        for event in session.events() {
+            if let (Event::Status(status), None) = (&event, &view) {
+                *view = Some(LiveView::new(&gpu, status, 64 << 20).unwrap());
+            }
+            if let Some(view) = view {
+                view.take(&event).unwrap();
+            }
+            assert!(!matches!(event, Event::Failed { .. }), "{event:?}");
+        }
+        let Some(view) = view else { continue };
+        view.show_earlier(is_earlier).unwrap();
+        view.draw(&camera, size_px, &request).unwrap();
+        let wanted = view.wanted();
+        if !wanted.is_empty() {
+            session.look(wanted);
+        } else if view.is_complete() {
+            return view.targets.read(&view.gpu).unwrap();
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// How many pixels are another colour, and not by rounding.
+fn num_apart(a: &[u8], b: &[u8]) -> usize {
+    let pixels = a.chunks_exact(4).zip(b.chunks_exact(4));
+    pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 12)).count()
+}
+
+#[test]
+fn the_ground_is_drawn_as_it_was_and_by_how_much_it_differs() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.orogeny");
+    let mut terrain = terrain_at(&path);
+    let entry = terrain.log().unwrap().last().map_or(EntryId::CREATION, |entry| entry.id);
+    let south = |PointerSample { position_m: [x, z], .. }: PointerSample| PointerSample::at(x, z + 120.0);
+    let lower = r#"{"type": "lower", "radius": 60, "strength": 30}"#;
+    for (brush, points) in [(BRUSHES[0].0, zigzag()), (lower, zigzag().into_iter().map(south).collect())] {
+        terrain.apply(&[Operation::Brush(stroke(brush, "Base", &points))], &mut Quiet).unwrap();
+    }
+    terrain.flush().unwrap();
+    let past = Session::of(Terrain::open_to_read_at(&path, entry, settings()).unwrap(), || {}).unwrap();
+    let then = drawn(&past, &mut None, Mode::Shaded, false);
+    past.close().unwrap();
+
+    let session = Session::of(terrain, || {}).unwrap();
+    let view = &mut None;
+    let now = drawn(&session, view, Mode::Shaded, false);
+    assert!(num_apart(&now, &then) > 500, "{}", num_apart(&now, &then));
+    session.open_past(entry);
+    // Nothing tells that it is open but what comes.
+    let start = Instant::now();
+    while view.as_ref().is_none_or(|view| view.unpainted_earlier_m.is_none()) {
+        assert!(start.elapsed() < WAIT, "no past came");
+        drawn(&session, view, Mode::Shaded, false);
+    }
+    assert_eq!(num_apart(&drawn(&session, view, Mode::Shaded, false), &now), 0);
+    let earlier = drawn(&session, view, Mode::Shaded, true);
+    assert!(num_apart(&earlier, &then) < 60, "{} of {}", num_apart(&earlier, &then), then.len() / 4);
+    let difference = drawn(&session, view, Mode::Difference, false);
+    let most_m = view.as_ref().unwrap().difference_m(&ViewRequest::default()).unwrap();
+    assert!((20.0..400.0).contains(&most_m), "{most_m}");
+    let count = |is_so: fn(&[u8]) -> bool| difference.chunks_exact(4).filter(|pixel| is_so(pixel)).count();
+    let (num_red, num_blue) = (
+        count(|pixel| pixel[0] > pixel[2].saturating_add(60)),
+        count(|pixel| pixel[2] > pixel[0].saturating_add(60)),
+    );
+    assert!(num_red > 50 && num_blue > 50, "{num_red} red, {num_blue} blue");
+    assert_eq!(num_apart(&drawn(&session, view, Mode::Shaded, false), &now), 0, "and as it is again");
+    session.close().unwrap();
 }
