@@ -88,10 +88,7 @@ impl Step {
             Self::Convolve { axis: Axis::Z, .. } | Self::Interpolate { axis: Axis::Z, .. } => [1, 4],
             Self::Convolve { axis: Axis::X, .. } | Self::Interpolate { axis: Axis::X, .. } => [4, 1],
             Self::Thermal { .. } => [4, 4],
-            Self::Pipes { phase, .. } => match phase {
-                PipesPhase::FirstFlux | PipesPhase::Flux | PipesPhase::Ground => [4, 4],
-                PipesPhase::Begin | PipesPhase::Settle => [1, 1],
-            },
+            // The same for pipes took as long: what an invocation then has to hold outweighs what it need not read.
             _ => [1, 1],
         }
     }
