@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use orogeny_engine::presets::user_presets_folder;
+use orogeny_engine::presets::{ExportPresets, user_presets_folder};
 use orogeny_engine::{Adapter, Presets, Settings, Terrain};
 use tracing_subscriber::filter::LevelFilter;
 
@@ -55,6 +55,11 @@ impl Session {
     /// The presets that come with the program and the user's.
     pub fn presets(&self) -> Presets {
         Presets::open(self.presets_folder.clone().or_else(user_presets_folder))
+    }
+
+    /// Those of exports, which have a folder in that one.
+    pub fn export_presets(&self) -> ExportPresets {
+        ExportPresets::of(&self.presets())
     }
 
     /// Opens a terrain for reading, beside whoever writes it.

@@ -50,6 +50,8 @@ pub enum Command {
     CopyFromHere,
     /// The height under the pointer is what the brush for that sets.
     TakeHeight,
+    /// Add a brush that the user wrote.
+    AddBrush,
     /// Take a brush.
     Brush(BrushType),
     /// Have the left button do something.
@@ -149,7 +151,7 @@ impl Menu {
 
 impl Command {
     /// Those that stand alone, in the order of their menus.
-    const PLAIN: [Self; 46] = [
+    const PLAIN: [Self; 47] = [
         Self::New,
         Self::Open,
         Self::Import,
@@ -183,6 +185,7 @@ impl Command {
         Self::Weaker,
         Self::CopyFromHere,
         Self::TakeHeight,
+        Self::AddBrush,
         Self::AddLayer,
         Self::AddProcedure,
         Self::AddEffect,
@@ -236,6 +239,7 @@ impl Command {
             Self::Weaker => "weaker".to_owned(),
             Self::CopyFromHere => "copy_from_here".to_owned(),
             Self::TakeHeight => "take_height".to_owned(),
+            Self::AddBrush => "add_brush".to_owned(),
             Self::AddLayer => "add_layer".to_owned(),
             Self::AddProcedure => "add_procedure".to_owned(),
             Self::AddEffect => "add_effect".to_owned(),
@@ -290,6 +294,7 @@ impl Command {
             Self::Weaker => "Weaker brush".to_owned(),
             Self::CopyFromHere => "Copy from under the pointer".to_owned(),
             Self::TakeHeight => "Take the height under the pointer".to_owned(),
+            Self::AddBrush => "Add a brush of your own…".to_owned(),
             Self::Copy => "Copy the selected ground".to_owned(),
             Self::Paste => "Paste as a floating piece".to_owned(),
             Self::PutDown => "Put the floating piece down".to_owned(),
@@ -347,6 +352,7 @@ impl Command {
             | Self::Weaker
             | Self::CopyFromHere
             | Self::TakeHeight
+            | Self::AddBrush
             | Self::Brush(_) => Menu::Brush,
             Self::AddLayer
             | Self::AddProcedure

@@ -67,6 +67,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
             }
         });
     }
+    super::own_brushes::palette(editor, ui, &is_found);
     presets(editor, ui, is_found);
 }
 

@@ -2,16 +2,20 @@
 
 mod brushes;
 mod commands;
+mod curve;
+mod export;
 mod files;
 mod hands;
 mod histogram;
 mod history;
+mod import;
 mod layers;
 mod light;
 mod map;
 mod measurement;
 mod menu;
 mod new_terrain;
+mod own_brushes;
 mod parameters;
 mod piece;
 mod plot;
@@ -116,7 +120,7 @@ pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
 
 /// Draws what is open over the ground.
 pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
-    let Some(dialog) = editor.panels.dialog.take() else { return };
+    let Some(dialog) = editor.panels.dialog.take() else { return editor.previews.forget() };
     let stays = match dialog {
         Dialog::New(new) => new_terrain::show(editor, ctx, new).map(Dialog::New),
         Dialog::File(file) => files::show(editor, ctx, file).map(Dialog::File),
@@ -134,11 +138,20 @@ pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
 
 /// A window in the middle that is a dialog. `None` where its cross was clicked.
 fn window<T>(ctx: &Context, title: &str, add: impl FnOnce(&mut Ui) -> T) -> Option<T> {
+    window_of(ctx, title, 420.0, add)
+}
+
+/// A dialog of two columns.
+fn wide_window<T>(ctx: &Context, title: &str, add: impl FnOnce(&mut Ui) -> T) -> Option<T> {
+    window_of(ctx, title, 760.0, add)
+}
+
+fn window_of<T>(ctx: &Context, title: &str, width: f32, add: impl FnOnce(&mut Ui) -> T) -> Option<T> {
     let mut is_open = true;
     let shown = egui::Window::new(title)
         .open(&mut is_open)
         .collapsible(false)
-        .default_width(420.0)
+        .default_width(width)
         .anchor(egui::Align2::CENTER_CENTER, [0.0, -40.0])
         .show(ctx, add);
     shown.and_then(|shown| shown.inner).filter(|_| is_open)

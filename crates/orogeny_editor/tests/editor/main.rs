@@ -12,6 +12,7 @@ mod comparing;
 mod dialogs;
 mod looking;
 mod lost;
+mod own_brushes;
 mod panels;
 mod pasting;
 mod presets;

@@ -77,6 +77,7 @@ impl Window {
         let options = EditorOptions {
             settings: settings(),
             presets: Presets::open(Some(folder.path().join("presets"))),
+            own_brushes: Some(folder.path().join("brushes")),
             preferences: Some(folder.path().join("editor.json")),
             bundled: Box::new(move || {
                 make_terrain(&bundled);
