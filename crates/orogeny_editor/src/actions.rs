@@ -92,6 +92,7 @@ impl Editor {
             Command::LargerInterface => self.scale_interface(ctx, 1.1),
             Command::SmallerInterface => self.scale_interface(ctx, 1.0 / 1.1),
             Command::ShowMessages => self.panels.shows_messages = !self.panels.shows_messages,
+            Command::ShowLog => self.panels.shows_log = !self.panels.shows_log,
             Command::ShowPreferences => self.panels.dialog = Some(Dialog::Preferences),
             Command::ShowTutorial => self.panels.dialog = Some(Dialog::Tutorial { step: 0 }),
         }

@@ -108,6 +108,8 @@ pub enum Command {
     SmallerInterface,
     /// What was told.
     ShowMessages,
+    /// What the program noted.
+    ShowLog,
     /// Keys and more.
     ShowPreferences,
     /// The five first steps.
@@ -151,7 +153,7 @@ impl Menu {
 
 impl Command {
     /// Those that stand alone, in the order of their menus.
-    const PLAIN: [Self; 47] = [
+    const PLAIN: [Self; 48] = [
         Self::New,
         Self::Open,
         Self::Import,
@@ -198,6 +200,7 @@ impl Command {
         Self::ToggleLayer,
         Self::CommandPalette,
         Self::ShowMessages,
+        Self::ShowLog,
         Self::ShowTutorial,
     ];
 
@@ -265,6 +268,7 @@ impl Command {
             Self::LargerInterface => "larger_interface".to_owned(),
             Self::SmallerInterface => "smaller_interface".to_owned(),
             Self::ShowMessages => "messages".to_owned(),
+            Self::ShowLog => "log".to_owned(),
             Self::ShowPreferences => "preferences".to_owned(),
             Self::ShowTutorial => "tutorial".to_owned(),
         }
@@ -364,7 +368,7 @@ impl Command {
             | Self::RaiseLayer
             | Self::LowerLayer
             | Self::ToggleLayer => Menu::Layer,
-            Self::CommandPalette | Self::ShowMessages | Self::ShowTutorial => Menu::Help,
+            Self::CommandPalette | Self::ShowMessages | Self::ShowLog | Self::ShowTutorial => Menu::Help,
         }
     }
 }

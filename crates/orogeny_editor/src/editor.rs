@@ -18,6 +18,7 @@ use crate::Result;
 use crate::camera::CameraControl;
 use crate::document::{Document, Message};
 use crate::keymap::Keymap;
+use crate::log::Log;
 use crate::measure::Measurement;
 use crate::own_brushes::OwnBrushes;
 use crate::panels::{Dialog, Panels};
@@ -45,6 +46,8 @@ pub struct EditorOptions {
     pub presets: Presets,
     /// The folder of the brushes that the user wrote, which need not be there; `None`: there is none.
     pub own_brushes: Option<PathBuf>,
+    /// What the program notes, to be looked at.
+    pub log: Log,
     /// Where preferences are kept; `None`: nowhere.
     pub preferences: Option<PathBuf>,
     /// Makes the terrain that comes along, where it is not there yet, and tells its file.
@@ -277,6 +280,8 @@ impl Editor {
         let text = text.into();
         if is_error {
             tracing::warn!("{text}");
+        } else {
+            tracing::info!("{text}");
         }
         self.messages.push(Message { text, is_error });
         let num_over = self.messages.len().saturating_sub(MAX_MESSAGES);

@@ -105,7 +105,8 @@ impl Tool {
             }
             None => self.objects.remove(&format!("{custom} {file}")),
         };
-        let first = || Map::from_iter([("file".to_owned(), file.into()), ("strength".to_owned(), 1.0.into())]);
+        let first =
+            || Map::from_iter([("file".to_owned(), file.into()), ("strength".to_owned(), 1.0.into())]);
         self.objects.insert(custom.to_owned(), known.unwrap_or_else(first));
     }
 
@@ -368,7 +369,10 @@ mod tests {
     fn each_file_keeps_its_own() {
         let mut tool = Tool::new("raise", BTreeMap::new());
         tool.take_file("a.wgsl");
-        assert_eq!((tool.file().as_deref(), tool.brush_json(Twist::None)["strength"].as_f64()), (Some("a.wgsl"), Some(1.0)));
+        assert_eq!(
+            (tool.file().as_deref(), tool.brush_json(Twist::None)["strength"].as_f64()),
+            (Some("a.wgsl"), Some(1.0))
+        );
         tool.set("parameters", Some(json!({"depth_m": 3})));
         tool.take_file("b.wgsl");
         assert!(!tool.object().contains_key("parameters"));

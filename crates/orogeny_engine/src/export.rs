@@ -132,7 +132,8 @@ impl Terrain {
         let fit = fit.unwrap_or(preset.fit);
         let side = preset.sizes.nearest(rect.width().max(rect.depth()));
         let of_side = |side: u32| ExportSize { width: side, depth: side, fit };
-        request.size = request.size.or_else(|| side.map(of_side).filter(|size| samples != [size.width, size.depth]));
+        request.size =
+            request.size.or_else(|| side.map(of_side).filter(|size| samples != [size.width, size.depth]));
         request.is_south_first |= preset.is_south_first;
         let options = &mut request.options;
         options.sample = options.sample.or(preset.sample);
@@ -161,7 +162,8 @@ impl Terrain {
         let rect = self.region_at(request.region_m, level)?;
         let source = self.source(&request.source)?;
         let spacing_m = self.grid().spacing_m() * f64::from(1_u32 << level);
-        let (width, depth) = request.size.map_or((rect.width(), rect.depth()), |size| (size.width, size.depth));
+        let (width, depth) =
+            request.size.map_or((rect.width(), rect.depth()), |size| (size.width, size.depth));
         let is_plain = request.size.is_none() && !request.is_south_first;
         let fit = request.size.map_or(Fit::Middle, |size| size.fit);
         // A side that the file is going to refuse has no axis.
@@ -170,7 +172,8 @@ impl Terrain {
             .then(|| [Axis::new(rect.width(), width, fit), Axis::new(rect.depth(), depth, fit)]);
         let steps = axes.as_ref().map_or([1.0, 1.0], |[along_x, along_z]| [along_x.step, along_z.step]);
         // One sample alone has no distance to another.
-        let [spacing_x_m, spacing_z_m] = steps.map(|step| if step > 0.0 { step * spacing_m } else { spacing_m });
+        let [spacing_x_m, spacing_z_m] =
+            steps.map(|step| if step > 0.0 { step * spacing_m } else { spacing_m });
         let mut options = request.options.clone();
         options.spacing_m.get_or_insert(spacing_x_m);
         let mut file = orogeny_formats::create(&request.file, &options, width, depth)?;
@@ -186,10 +189,14 @@ impl Terrain {
         }
         let mut notices = file.finish()?.notices;
         if (spacing_x_m - spacing_z_m).abs() > 1.0e-9 * spacing_x_m {
-            notices.push(format!("samples are {spacing_x_m:.4} m apart along x, and {spacing_z_m:.4} m along z"));
+            notices.push(format!(
+                "samples are {spacing_x_m:.4} m apart along x, and {spacing_z_m:.4} m along z"
+            ));
         }
         if request.is_south_first {
-            notices.push("the southern row comes first: what expects the northern one sees it mirrored".to_owned());
+            notices.push(
+                "the southern row comes first: what expects the northern one sees it mirrored".to_owned(),
+            );
         }
         let at_m = [(f64::from(rect.x0) + first.0) * spacing_m, (f64::from(rect.z0) + first.1) * spacing_m];
         Ok(ExportSummary { file: request.file.clone(), width, depth, at_m, spacing_m: spacing_x_m, notices })
@@ -336,7 +343,10 @@ mod tests {
         let size = of(200, 300, Fit::Middle);
         let (summary, middle) = written(&terrain, &ExportRequest { size, ..request.clone() });
         assert_eq!((summary.at_m, summary.spacing_m), ([100.0, -40.0], 2.0));
-        assert_eq!([middle[0], middle[20 * 200], middle[299 * 200 + 199]], [at(50, 0), at(50, 0), at(249, 259)]);
+        assert_eq!(
+            [middle[0], middle[20 * 200], middle[299 * 200 + 199]],
+            [at(50, 0), at(50, 0), at(249, 259)]
+        );
 
         let size = of(599, 519, Fit::Resample);
         let (summary, finer) = written(&terrain, &ExportRequest { size, ..request.clone() });

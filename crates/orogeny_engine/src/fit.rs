@@ -136,7 +136,9 @@ impl Terrain {
             let mut row = rows.row(index)?.to_vec();
             if share > 0.0 {
                 let next = rows.row(index + 1)?;
-                row.iter_mut().zip(next).for_each(|(height_m, next_m)| *height_m += share * (next_m - *height_m));
+                row.iter_mut()
+                    .zip(next)
+                    .for_each(|(height_m, next_m)| *height_m += share * (next_m - *height_m));
             }
             let at = |index: u32| row.get(index as usize).copied().unwrap_or_default();
             fitted.clear();
@@ -161,7 +163,10 @@ mod tests {
         assert_eq!((axis.places[0], axis.places[1], axis.places[8]), ((0, 0.0), (0, 0.5), (4, 0.0)));
         assert_eq!((axis.step, axis.first), (0.5, 0.0));
         let cut = Axis::new(6, 4, Fit::Middle);
-        assert_eq!((cut.places.as_slice(), cut.first), ([(1, 0.0), (2, 0.0), (3, 0.0), (4, 0.0)].as_slice(), 1.0));
+        assert_eq!(
+            (cut.places.as_slice(), cut.first),
+            ([(1, 0.0), (2, 0.0), (3, 0.0), (4, 0.0)].as_slice(), 1.0)
+        );
         let padded = Axis::new(2, 5, Fit::Middle);
         let indices: Vec<_> = padded.places.iter().map(|(index, _)| *index).collect();
         assert_eq!((indices, padded.first), (vec![0, 0, 0, 1, 1], -2.0));
@@ -170,8 +175,12 @@ mod tests {
             for to in 1..40 {
                 for fit in [Fit::Resample, Fit::Middle] {
                     let places = Axis::new(from, to, fit).places;
-                    let is_within = |(index, share): &Place| *index < from && (*share == 0.0 || index + 1 < from);
-                    assert!(places.len() == to as usize && places.iter().all(is_within), "{from} {to} {fit:?}");
+                    let is_within =
+                        |(index, share): &Place| *index < from && (*share == 0.0 || index + 1 < from);
+                    assert!(
+                        places.len() == to as usize && places.iter().all(is_within),
+                        "{from} {to} {fit:?}"
+                    );
                 }
             }
         }

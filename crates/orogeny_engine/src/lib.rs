@@ -73,11 +73,13 @@ pub use operation::{
     Recipe, RefreshLayer, RemoveLayer, SetLayer, SetMask, Target,
 };
 pub use orogeny_field::{
-    Blend, BrushType, Coverage, Curve, LayerContent, LayerReference, LayerTransform, MAX_CURVE_POINTS, MaskTerm, PageKey, Parameter,
-    ParameterKind, PointerSample, Procedure, SampleRect, SelectCombine, SelectShape, Selecting, TerrainGrid,
+    Blend, BrushType, Coverage, Curve, LayerContent, LayerReference, LayerTransform, MAX_CURVE_POINTS,
+    MaskTerm, PageKey, Parameter, ParameterKind, PointerSample, Procedure, SampleRect, SelectCombine,
+    SelectShape, Selecting, TerrainGrid,
 };
 pub use orogeny_formats::{
-    ByteOrder, Direction, ExportOptions, Format, ImportOptions, MAX_SAMPLES_PER_SIDE, NodataPolicy, SampleType,
+    ByteOrder, Direction, ExportOptions, Format, ImportOptions, MAX_SAMPLES_PER_SIDE, NodataPolicy,
+    SampleType,
 };
 pub use orogeny_geomip::{Camera, Cursor, FrameReport, Metric, Mode, PagePlace, PageSummary};
 pub use orogeny_gpu::{AdapterDescription, Gpu, list_adapters};

@@ -98,8 +98,7 @@ mod tests {
         let path = folder.join("h.npy");
         let mut file = create(&path, &ExportOptions::default(), 300, 200).unwrap();
         for z in 0..200 {
-            let row: Vec<f32> =
-                (0..300).map(|x| if x > 250 && z < 40 { 90.0 } else { -5.0 }).collect();
+            let row: Vec<f32> = (0..300).map(|x| if x > 250 && z < 40 { 90.0 } else { -5.0 }).collect();
             file.write_rows(&row).unwrap();
         }
         file.finish().unwrap();

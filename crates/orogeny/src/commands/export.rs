@@ -101,7 +101,8 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
         ..ExportRequest::new("")
     };
     let fit = arguments.fit.map(Into::into);
-    request.size = arguments.size.map(|[width, depth]| ExportSize { width, depth, fit: fit.unwrap_or_default() });
+    request.size =
+        arguments.size.map(|[width, depth]| ExportSize { width, depth, fit: fit.unwrap_or_default() });
     let mut advice = Vec::new();
     if let Some(preset) = preset {
         let planned = terrain.take_preset(&mut request, &preset, fit)?;

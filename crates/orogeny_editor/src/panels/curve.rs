@@ -1,6 +1,8 @@
 //! Curves: drawn, dragged by their points, typed in a table, or taken from a few shapes.
 
-use egui::{CollapsingHeader, ComboBox, DragValue, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{
+    CollapsingHeader, ComboBox, DragValue, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
+};
 use orogeny_engine::{Curve, MAX_CURVE_POINTS, Parameter};
 use serde_json::{Value, json};
 
@@ -53,10 +55,7 @@ impl Frame {
     fn to_screen(self, [x, y]: [f64; 2]) -> Pos2 {
         let share = |value: f64, (low, high): (f64, f64)| ((value - low) / (high - low)) as f32;
         let (along, up) = (share(x, self.x), share(y, self.seen));
-        pos2(
-            self.rect.left() + along * self.rect.width(),
-            self.rect.bottom() - up * self.rect.height(),
-        )
+        pos2(self.rect.left() + along * self.rect.width(), self.rect.bottom() - up * self.rect.height())
     }
 
     fn from_screen(self, at: Pos2) -> [f64; 2] {
@@ -136,8 +135,7 @@ impl Points {
     fn shape(&mut self, shape: &[[f64; 2]]) {
         let (low, high) = (self.x.0.max(self.y.0), self.x.1.min(self.y.1));
         let along = |share: f64, low: f64, high: f64| low + share * (high - low);
-        self.all =
-            shape.iter().map(|[x, y]| [along(*x, self.x.0, self.x.1), along(*y, low, high)]).collect();
+        self.all = shape.iter().map(|[x, y]| [along(*x, self.x.0, self.x.1), along(*y, low, high)]).collect();
     }
 }
 
@@ -163,7 +161,8 @@ pub(super) fn show(
                     }
                 }
             });
-            if ui.button("Add point").on_hover_text("In the widest gap; or double-click the curve").clicked() {
+            if ui.button("Add point").on_hover_text("In the widest gap; or double-click the curve").clicked()
+            {
                 points.add_anywhere();
             }
             let reset = ui.add_enabled(given.is_some(), egui::Button::new("Default"));
@@ -190,7 +189,10 @@ fn drawing(ui: &mut Ui, name: &str, points: &mut Points, is_given: bool) {
     let mut chosen = ui.data(|data| data.get_temp::<usize>(id)).filter(|index| *index < points.all.len());
     let near = |at: Pos2| {
         let distances = points.all.iter().map(|point| frame.to_screen(*point).distance(at)).enumerate();
-        distances.filter(|(_, far)| *far <= REACH).min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(index, _)| index)
+        distances
+            .filter(|(_, far)| *far <= REACH)
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))
+            .map(|(index, _)| index)
     };
     // A drag begins where the button went down.
     let pressed = ui.input(|input| input.pointer.press_origin());
@@ -272,7 +274,8 @@ fn table(ui: &mut Ui, points: &mut Points) {
         for (index, point) in points.all.clone().into_iter().enumerate() {
             let mut typed = point;
             for ((value, (low, high)), axis) in typed.iter_mut().zip([points.x, points.y]).zip(["x", "y"]) {
-                let number = DragValue::new(value).range(low..=high).speed((high - low) * 0.002).max_decimals(6);
+                let number =
+                    DragValue::new(value).range(low..=high).speed((high - low) * 0.002).max_decimals(6);
                 let told = format!("{axis} of point {}", index + 1);
                 ui.add(number).widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, true, &told));
             }
@@ -311,6 +314,7 @@ mod tests {
         Curve::new("it", points.all.clone()).unwrap();
         (0..5).for_each(|_| points.remove(0));
         assert_eq!(points.all.len(), 2);
+        let mut points = line();
         (0..100).for_each(|_| _ = points.add_anywhere());
         assert_eq!(points.all.len(), MAX_CURVE_POINTS);
         Curve::new("it", points.all).unwrap();

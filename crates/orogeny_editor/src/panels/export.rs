@@ -167,7 +167,8 @@ fn presets(editor: &Editor, ui: &mut Ui, choice: &mut Choice) -> Option<Wish> {
         if save.on_hover_text("Keeps what is chosen here as a preset of your own, in a file").clicked() {
             wish = Some(Wish::Save);
         }
-        let remove = ui.add_enabled(editor.export_presets.is_own(&choice.preset.name), egui::Button::new("Delete"));
+        let remove =
+            ui.add_enabled(editor.export_presets.is_own(&choice.preset.name), egui::Button::new("Delete"));
         if remove.on_hover_text("Deletes the preset that is chosen, where it is your own").clicked() {
             wish = Some(Wish::Remove);
         }
@@ -282,7 +283,9 @@ fn meter(ui: &mut Ui, choice: &Choice, planned: &PlannedExport, terrain_m: [f32;
     ui.label(format!("Heights go from {low_m:.2} to {high_m:.2} m; a step is {:.4} m", span_m / last));
     let beyond_m = [from_m - low_m, high_m - to_m].into_iter().fold(0.0, f64::max);
     if beyond_m > 0.0 {
-        let text = format!("Heights lie up to {beyond_m:.2} m beyond the range: it would be refused. Widen the range");
+        let text = format!(
+            "Heights lie up to {beyond_m:.2} m beyond the range: it would be refused. Widen the range"
+        );
         ui.colored_label(WARNING, text);
     }
 }
@@ -298,7 +301,9 @@ fn summary(ui: &mut Ui, choice: &Choice, planned: &PlannedExport, path: &str) {
                 format!("{x_m:.4} m along x and {z_m:.4} m along z")
             };
             let megabytes = *num_bytes as f64 / 1.0e6;
-            ui.label(format!("{format}, {width} x {depth} samples, {apart} apart, {megabytes:.1} MB before packing"));
+            ui.label(format!(
+                "{format}, {width} x {depth} samples, {apart} apart, {megabytes:.1} MB before packing"
+            ));
         }
         Err(err) => _ = ui.colored_label(WARNING, err.to_string()),
     }

@@ -208,7 +208,8 @@ fn finish(editor: &mut Editor, dialog: &FileDialog) {
         Purpose::Export => {
             let request = dialog.export.request(&dialog.path, document.view.range_m());
             let grid = document.status.grid;
-            told = dialog.export.told(&name, &request.planned([grid.width(), grid.depth()], grid.spacing_m()));
+            told =
+                dialog.export.told(&name, &request.planned([grid.width(), grid.depth()], grid.spacing_m()));
             let ticket = document.session.export(request);
             document.note(ticket, format!("export {name}"));
         }

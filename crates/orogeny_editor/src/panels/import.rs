@@ -4,8 +4,8 @@ use std::path::Path;
 
 use egui::{Color32, ComboBox, DragValue, RichText, Ui, pos2, vec2};
 use orogeny_engine::{
-    ByteOrder, Direction, Format, ImportOptions, ImportPreview, ImportRequest, MAX_SAMPLES_PER_SIDE, NodataPolicy,
-    SampleType, TerrainGrid,
+    ByteOrder, Direction, Format, ImportOptions, ImportPreview, ImportRequest, MAX_SAMPLES_PER_SIDE,
+    NodataPolicy, SampleType, TerrainGrid,
 };
 
 use crate::editor::Editor;
@@ -103,7 +103,10 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: 
     }
     let format = match Format::from_path(path, Direction::Import) {
         Ok(format) => format,
-        Err(err) => return _ = ui.colored_label(WARNING, err.to_string()),
+        Err(err) => {
+            ui.colored_label(WARNING, err.to_string());
+            return;
+        }
     };
     let options = choice.request(path, None, grid).options;
     let previewed = editor.previews.of(ui.ctx(), path, &options);
@@ -145,7 +148,8 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: 
 fn picture(ui: &mut Ui, preview: &ImportPreview, texture: &egui::TextureHandle) {
     let longest = preview.width.max(preview.depth).max(1) as f32;
     let size = vec2(preview.width as f32, preview.depth as f32) * (PICTURE_SIDE / longest);
-    let (room, response) = ui.allocate_exact_size(size.max(vec2(8.0, 8.0)) + vec2(32.0, 32.0), egui::Sense::hover());
+    let (room, response) =
+        ui.allocate_exact_size(size.max(vec2(8.0, 8.0)) + vec2(32.0, 32.0), egui::Sense::hover());
     let told = "The file from above, north at the top";
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, told));
     let rect = room.shrink(16.0);
@@ -167,7 +171,8 @@ fn picture(ui: &mut Ui, preview: &ImportPreview, texture: &egui::TextureHandle) 
 }
 
 fn facts(ui: &mut Ui, preview: &ImportPreview) {
-    let ImportPreview { format, sample, width, depth, spacing_m, range_m: [low_m, high_m], epsg, .. } = preview;
+    let ImportPreview { format, sample, width, depth, spacing_m, range_m: [low_m, high_m], epsg, .. } =
+        preview;
     ui.label(format!("{format}, {sample}"));
     ui.label(format!("{width} x {depth} samples"));
     match spacing_m {
@@ -187,7 +192,9 @@ fn facts(ui: &mut Ui, preview: &ImportPreview) {
 /// What of it does not fit the terrain.
 fn fits(ui: &mut Ui, choice: &Choice, preview: &ImportPreview, grid: TerrainGrid) {
     let terrain_m = grid.spacing_m();
-    if let Some(raster_m) = preview.spacing_m.filter(|raster_m| (raster_m / terrain_m - 1.0).abs() > SAME_SPACING) {
+    if let Some(raster_m) =
+        preview.spacing_m.filter(|raster_m| (raster_m / terrain_m - 1.0).abs() > SAME_SPACING)
+    {
         let text = format!(
             "Its samples are {raster_m:.4} m apart, the terrain's {terrain_m} m: it would be refused. Take them as they are, below, \
              or make a terrain of it: orogeny import FILE TERRAIN"
@@ -260,13 +267,16 @@ fn gaps(ui: &mut Ui, choice: &mut Choice) {
     let is_same = |one: NodataPolicy, other| std::mem::discriminant(&one) == std::mem::discriminant(&other);
     let title = policies.iter().find(|(policy, _)| is_same(*policy, choice.nodata)).map(|(_, title)| *title);
     ui.horizontal(|ui| {
-        ComboBox::from_label("Samples without a height").selected_text(title.unwrap_or_default()).show_ui(ui, |ui| {
-            for (policy, title) in policies {
-                if ui.selectable_label(is_same(policy, choice.nodata), title).clicked() {
-                    choice.nodata = policy;
+        ComboBox::from_label("Samples without a height").selected_text(title.unwrap_or_default()).show_ui(
+            ui,
+            |ui| {
+                for (policy, title) in policies {
+                    if ui.selectable_label(is_same(policy, choice.nodata), title).clicked() {
+                        choice.nodata = policy;
+                    }
                 }
-            }
-        });
+            },
+        );
         if let NodataPolicy::Value(height_m) = &mut choice.nodata {
             ui.add(DragValue::new(height_m).suffix(" m"));
         }

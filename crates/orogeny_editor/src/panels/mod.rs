@@ -11,6 +11,7 @@ mod history;
 mod import;
 mod layers;
 mod light;
+mod log;
 mod map;
 mod measurement;
 mod menu;
@@ -30,6 +31,7 @@ use crate::Hand;
 use crate::editor::Editor;
 
 pub(crate) use files::FileDialog;
+pub(crate) use log::LogView;
 pub(crate) use map::MapView;
 pub(crate) use new_terrain::NewTerrain;
 pub(crate) use selection::Selecting;
@@ -61,6 +63,9 @@ pub(crate) struct Panels {
     pub(crate) preset_name: String,
     /// Whether the list of all messages is open.
     pub(crate) shows_messages: bool,
+    /// Whether the program's log is open, and what of it is seen.
+    pub(crate) shows_log: bool,
+    pub(crate) log: LogView,
     /// How the selection is changed by the panel for that.
     pub(crate) selecting: Selecting,
     /// Whether the map is open, and what of it is seen.
@@ -79,6 +84,9 @@ pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
             .resizable(true)
             .default_size(140.0)
             .show(ui, |ui| status::messages(editor, ui));
+    }
+    if editor.panels.shows_log {
+        Panel::bottom("log").resizable(true).default_size(200.0).show(ui, |ui| log::show(editor, ui));
     }
     // It is there before the tape is drawn out: the ground must not move under the hand.
     if editor.hand() == Hand::Tape || editor.viewport.tape_m.is_some() {

@@ -85,8 +85,11 @@ pub(super) fn parameters(editor: &Editor, ui: &mut Ui, object: &mut Map<String, 
     let Some(brush) = editor.own_brushes.get(Path::new(&file)) else { return false };
     if let Some(wrong) = brush.wrong() {
         ui.label(RichText::new(wrong).monospace().color(WRONG));
-        let what_paints = if brush.parameters().is_some() { "the last good version paints" } else { "it cannot paint" };
-        ui.label(format!("Mend that line and save the file: it is read again within a second; until then {what_paints}."));
+        let what_paints =
+            if brush.parameters().is_some() { "the last good version paints" } else { "it cannot paint" };
+        ui.label(format!(
+            "Mend that line and save the file: it is read again within a second; until then {what_paints}."
+        ));
     }
     let Some(declared) = brush.parameters() else { return false };
     if !brush.summary().is_empty() {

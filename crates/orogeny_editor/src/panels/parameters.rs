@@ -86,7 +86,9 @@ fn keep_in_step(object: &mut Map<String, Value>, before: &Map<String, Value>) {
         let has_curve = object.contains_key(curve);
         let was_chosen = object.get(choice) != before.get(choice);
         match (is_chosen, has_curve) {
-            (true, false) if was_chosen => _ = object.insert(curve.to_owned(), json!([[0.0, 0.0], [1.0, 1.0]])),
+            (true, false) if was_chosen => {
+                _ = object.insert(curve.to_owned(), json!([[0.0, 0.0], [1.0, 1.0]]))
+            }
             (true, false) => _ = object.remove(choice),
             (false, true) if was_chosen => _ = object.remove(curve),
             (false, true) => _ = object.insert(choice.to_owned(), "curve".into()),

@@ -9,7 +9,10 @@
 mod brushing;
 mod commands;
 mod comparing;
+mod curves;
 mod dialogs;
+mod files;
+mod log;
 mod looking;
 mod lost;
 mod own_brushes;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use orogeny_editor::{Command, Editor, EditorOptions, Preferences};
+use orogeny_editor::{Command, Editor, EditorOptions, Log, Preferences};
 use orogeny_engine::{
     Adapter, ExportSource, Gpu, Operation, Presets, Quiet, Settings, Terrain, TerrainGrid, drawing_gpu,
 };
@@ -22,6 +22,8 @@ pub struct Window {
     pub gpu: Gpu,
     pub harness: Harness<'static, Editor>,
     pub folder: tempfile::TempDir,
+    /// What it notes.
+    pub log: Log,
 }
 
 fn settings() -> Settings {
@@ -74,9 +76,11 @@ impl Window {
     /// With what a folder remembers.
     pub fn in_folder(folder: tempfile::TempDir) -> Self {
         let bundled = folder.path().join("bundled.orogeny");
+        let log = Log::default();
         let options = EditorOptions {
             settings: settings(),
             presets: Presets::open(Some(folder.path().join("presets"))),
+            log: log.clone(),
             own_brushes: Some(folder.path().join("brushes")),
             preferences: Some(folder.path().join("editor.json")),
             bundled: Box::new(move || {
@@ -96,7 +100,7 @@ impl Window {
             },
             editor,
         );
-        let mut window = Self { gpu, harness, folder };
+        let mut window = Self { gpu, harness, folder, log };
         window.frames(6);
         window
     }

@@ -204,7 +204,9 @@ impl ExportProgram {
             }
             // It divides by 65,536, one more than the last sample.
             Self::Unity => vec![
-                format!("Resolution {width} x {depth}, Depth 16 bit, Byte Order Windows, Flip Vertically off"),
+                format!(
+                    "Resolution {width} x {depth}, Depth 16 bit, Byte Order Windows, Flip Vertically off"
+                ),
                 format!(
                     "Terrain Size X {width_m:.2}, Y {:.3}, Z {depth_m:.2}; position Y {low_m:.3}",
                     span_m * 65_536.0 / STEPS_OF_16_BITS
@@ -240,7 +242,8 @@ fn factory() -> Vec<ExportPreset> {
         program: ExportProgram::Any,
     };
     let unreal = || ExportSizes::Square(vec![127, 253, 505, 1009, 2017, 4033, 8129]);
-    let powers = |low: u32, high: u32| ExportSizes::Square((low..=high).map(|power| (1 << power) + 1).collect());
+    let powers =
+        |low: u32, high: u32| ExportSizes::Square((low..=high).map(|power| (1 << power) + 1).collect());
     let of = |program, sizes, preset| ExportPreset { program, sizes, ..preset };
     vec![
         plain("PNG, 16 bits", "png"),
@@ -248,7 +251,10 @@ fn factory() -> Vec<ExportPreset> {
         of(ExportProgram::Unreal, unreal(), plain("Unreal R16", "r16")),
         of(ExportProgram::Unreal, unreal(), plain("Unreal PNG", "png")),
         // Its first row is the southern one.
-        ExportPreset { is_south_first: true, ..of(ExportProgram::Unity, powers(5, 12), plain("Unity RAW", "raw")) },
+        ExportPreset {
+            is_south_first: true,
+            ..of(ExportProgram::Unity, powers(5, 12), plain("Unity RAW", "raw"))
+        },
         of(ExportProgram::Terrain3d, ExportSizes::Any, plain("Godot Terrain3D R16", "r16")),
         of(ExportProgram::Hterrain, powers(6, 12), plain("Godot HTerrain RAW", "raw")),
         of(ExportProgram::Blender, ExportSizes::Any, plain("Blender PNG", "png")),
@@ -312,7 +318,8 @@ impl ExportPresets {
     /// [`Error::UnknownPreset`], with those that there are.
     pub fn get(&self, name: &str) -> Result<&ExportPreset> {
         let key = name::slug(name);
-        let found = self.own.get(&key).or_else(|| self.factory.iter().find(|known| name::slug(&known.name) == key));
+        let found =
+            self.own.get(&key).or_else(|| self.factory.iter().find(|known| name::slug(&known.name) == key));
         found.ok_or_else(|| {
             let names: Vec<_> = self.iter().map(|known| format!("`{}`", known.name)).collect();
             let advice = format!("those for exports are {}", names.join(", "));
