@@ -1,8 +1,6 @@
 //! Curves: drawn, dragged by their points, typed in a table, or taken from a few shapes.
 
-use egui::{
-    CollapsingHeader, ComboBox, DragValue, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
-};
+use egui::{CollapsingHeader, DragValue, Key, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use orogeny_engine::{Curve, MAX_CURVE_POINTS, Parameter};
 use serde_json::{Value, json};
 
@@ -154,10 +152,11 @@ pub(super) fn show(
     let header = CollapsingHeader::new(title).id_salt(parameter.name).show(ui, |ui| {
         drawing(ui, parameter.name, &mut points, given.is_some());
         ui.horizontal(|ui| {
-            ComboBox::from_id_salt("shape").selected_text("Shape").width(90.0).show_ui(ui, |ui| {
+            ui.menu_button("Shape", |ui| {
                 for (name, shape) in SHAPES {
-                    if ui.selectable_label(false, name).clicked() {
+                    if ui.button(name).clicked() {
                         points.shape(shape);
+                        ui.close();
                     }
                 }
             });

@@ -14,6 +14,8 @@ use crate::previews::Previewed;
 const WARNING: Color32 = Color32::from_rgb(230, 120, 90);
 /// The side of the picture, in points of the screen.
 const PICTURE_SIDE: f32 = 190.0;
+/// What all of it takes at least, in points of the screen.
+const MIN_HEIGHT: f32 = 470.0;
 /// Spacings that differ by less than this share are the same.
 const SAME_SPACING: f64 = 1.0e-6;
 /// Samples of files that do not say it themselves.
@@ -93,6 +95,8 @@ impl Choice {
 }
 
 pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: &str) {
+    // What is below does not move when the picture comes.
+    ui.set_min_height(MIN_HEIGHT);
     let Some(document) = &editor.document else { return };
     let grid = document.status.grid;
     let layer = document.current_layer().map(|layer| layer.name.clone()).unwrap_or_default();

@@ -18,6 +18,7 @@ mod lost;
 mod own_brushes;
 mod panels;
 mod pasting;
+mod pictures;
 mod presets;
 mod random;
 mod selecting;

@@ -26,7 +26,7 @@ pub struct Window {
     pub log: Log,
 }
 
-fn settings() -> Settings {
+pub fn settings() -> Settings {
     Settings { adapter: Adapter::Cpu, page_budget_in_bytes: 64 << 20, ..Settings::default() }
 }
 
@@ -67,14 +67,23 @@ impl Window {
 
     /// With nothing open, and preferences that have seen the first steps.
     pub fn empty() -> Self {
+        Self::empty_of(egui::vec2(1000.0, 760.0))
+    }
+
+    /// The same, so large.
+    pub fn empty_of(size: egui::Vec2) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let preferences = Preferences { has_seen_tutorial: true, ..Preferences::default() };
         preferences.write(&folder.path().join("editor.json")).unwrap();
-        Self::in_folder(folder)
+        Self::in_folder_of(folder, size)
     }
 
     /// With what a folder remembers.
     pub fn in_folder(folder: tempfile::TempDir) -> Self {
+        Self::in_folder_of(folder, egui::vec2(1000.0, 760.0))
+    }
+
+    fn in_folder_of(folder: tempfile::TempDir, size: egui::Vec2) -> Self {
         let bundled = folder.path().join("bundled.orogeny");
         let log = Log::default();
         let options = EditorOptions {
@@ -90,7 +99,7 @@ impl Window {
         };
         let gpu = Self::new_gpu();
         let editor = Editor::new(options, gpu.clone(), || {});
-        let harness = Harness::builder().with_size([1000.0, 760.0]).with_max_steps(64).build_ui_state(
+        let harness = Harness::builder().with_size(size).with_max_steps(64).build_ui_state(
             |ui, editor: &mut Editor| {
                 let start = Instant::now();
                 editor.update();
