@@ -168,7 +168,9 @@ mod tests {
 
     #[test]
     fn every_command_is_in_the_help() {
-        for name in ["setup", "demo", "run", "test", "check", "bench", "instructions", "golden", "pictures", "help"] {
+        for name in
+            ["setup", "demo", "run", "test", "check", "bench", "instructions", "golden", "pictures", "help"]
+        {
             assert!(parsed(name).is_ok(), "{name}");
             assert!(HELP.lines().any(|line| line.trim_start().starts_with(name)), "{name}");
         }

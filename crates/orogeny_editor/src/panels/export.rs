@@ -343,7 +343,12 @@ fn orientation(ui: &mut Ui, is_south_first: bool) {
         painter.circle_filled(first, 4.0, Color32::from_rgb(255, 190, 60));
         for row in 0..4_u8 {
             let start = square.left_top() + egui::vec2(8.0, 10.0 + 12.0 * f32::from(row));
-            painter.arrow(start, egui::vec2(square.width() - 16.0, 0.0), egui::Stroke::new(1.0, colour));
+            let end = start + egui::vec2(square.width() - 16.0, 0.0);
+            let stroke = egui::Stroke::new(1.0, colour);
+            painter.line_segment([start, end], stroke);
+            for side in [-3.0, 3.0] {
+                painter.line_segment([end, end + egui::vec2(-4.0, side)], stroke);
+            }
         }
         let [corner, next] = if is_south_first { ["south", "north"] } else { ["north", "south"] };
         let text = format!(

@@ -166,10 +166,11 @@ pub(super) fn show(editor: &mut Editor, ctx: &Context, mut dialog: FileDialog) -
             ui.columns_const(|[left, right]| {
                 dialog.list(left);
                 let FileDialog { export, import, path, .. } = &mut dialog;
-                match purpose {
+                // Columns would stretch what stands in them.
+                right.vertical(|right| match purpose {
                     Purpose::Export => export::show(editor, right, export, path),
                     _ => import::show(editor, right, import, path),
-                }
+                });
             });
         } else {
             dialog.list(ui);

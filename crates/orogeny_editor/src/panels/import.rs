@@ -143,7 +143,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: 
         }
     });
     what_it_does_not_say(ui, choice, format);
-    ui.checkbox(&mut choice.is_as_terrain, format!("Take its samples as {} m apart", grid.spacing_m()))
+    ui.checkbox(&mut choice.is_as_terrain, format!("Take its samples as {:.4} m apart", grid.spacing_m()))
         .on_hover_text("As far as the terrain's, whatever the file says");
     gaps(ui, choice);
 }
@@ -200,7 +200,7 @@ fn fits(ui: &mut Ui, choice: &Choice, preview: &ImportPreview, grid: TerrainGrid
         preview.spacing_m.filter(|raster_m| (raster_m / terrain_m - 1.0).abs() > SAME_SPACING)
     {
         let text = format!(
-            "Its samples are {raster_m:.4} m apart, the terrain's {terrain_m} m: it would be refused. Take them as they are, below, \
+            "Its samples are {raster_m:.4} m apart, the terrain's {terrain_m:.4} m: it would be refused. Take them as they are, below, \
              or make a terrain of it: orogeny import FILE TERRAIN"
         );
         ui.colored_label(WARNING, text);

@@ -79,6 +79,13 @@ pub(super) fn palette(editor: &mut Editor, ui: &mut Ui, is_found: &impl Fn(&str)
     }
 }
 
+/// What the brush in the hand is called, where the user wrote it.
+pub(super) fn title(editor: &Editor) -> Option<String> {
+    let file = PathBuf::from(editor.tool.file()?);
+    let found = editor.own_brushes.iter().find(|(path, ..)| *path == file);
+    found.map(|(_, name, _)| capitalised(&name))
+}
+
 /// What the file of the brush in the hand declares, and what is wrong with it; whether it declares anything that is known.
 pub(super) fn parameters(editor: &Editor, ui: &mut Ui, object: &mut Map<String, Value>) -> bool {
     let Some(file) = editor.tool.file() else { return false };

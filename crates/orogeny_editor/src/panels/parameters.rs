@@ -1,7 +1,7 @@
 //! The brush's parameters: size and strength first, then all that its type has, each with its unit, range and default.
 
 use egui::{CollapsingHeader, ComboBox, DragValue, Slider, TextEdit, Ui};
-use orogeny_engine::{Parameter, ParameterKind};
+use orogeny_engine::{BrushType, Parameter, ParameterKind};
 use serde_json::{Map, Value, json};
 
 use crate::command::{capitalised, words};
@@ -13,10 +13,13 @@ const SHOWN_BEFORE: [&str; 2] = ["radius", "strength"];
 
 pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
     let brush_type = editor.tool.brush_type;
-    ui.heading(capitalised(&words(brush_type.name())));
+    let own = super::own_brushes::title(editor);
+    ui.heading(own.unwrap_or_else(|| capitalised(&words(brush_type.name()))));
     ui.label(egui::RichText::new(capitalised(brush_type.summary())).weak());
     let brush = editor.tool.brush_json(Twist::None);
-    if let Some(picture) = editor.thumbnails.of(ui.ctx(), &brush) {
+    // Thumbnails are made by native code, of which a brush that the user wrote has none.
+    let is_native = brush_type != BrushType::Custom;
+    if is_native && let Some(picture) = editor.thumbnails.of(ui.ctx(), &brush) {
         ui.image((picture.id(), picture.size_vec2())).on_hover_text("One stroke of the brush as it is set");
     }
     size_and_strength(editor, ui);

@@ -1,8 +1,8 @@
 //! The pictures of the guide to the editor. `cargo xtask pictures` draws them anew, which sets `OROGENY_PICTURES=write`; without that they are
 //! held to what the guide says.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use egui::{ColorImage, Modifiers, Rect, TextureHandle, TextureOptions, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
@@ -107,7 +107,11 @@ fn commands(window: &mut Window) {
 
 fn log(window: &mut Window) {
     window.log.push(Level::INFO, "orogeny_engine::backend", "the CPU back end is used: there is no GPU");
-    window.log.push(Level::WARN, "orogeny_engine::apply", "the device was lost; it is done again on a new device");
+    window.log.push(
+        Level::WARN,
+        "orogeny_engine::apply",
+        "the device was lost; it is done again on a new device",
+    );
     window.run(Command::ShowLog);
 }
 
@@ -147,10 +151,12 @@ impl Window {
         queue.submit([encoder.finish()]);
         buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.unwrap());
         device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-        let bytes = buffer.slice(..).get_mapped_range();
+        let bytes = buffer.slice(..).get_mapped_range().unwrap();
         let rows = bytes.chunks_exact(row_bytes as usize);
         let rgb: Vec<u8> = rows
-            .flat_map(|row| row[..4 * width as usize].chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]))
+            .flat_map(|row| {
+                row[..4 * width as usize].chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
+            })
             .collect();
         let image = ColorImage::from_rgb([width as usize, height as usize], &rgb);
         let texture = self.harness.ctx.load_texture("ground", image, TextureOptions::LINEAR);
@@ -159,15 +165,21 @@ impl Window {
     }
 
     fn rect_of(&self, part: &Part) -> Rect {
-        let all = self.harness.ctx.content_rect();
+        // Around the window there is a margin.
+        let all = self.harness.ctx.content_rect().shrink(8.0);
         let ground = self.harness.get_by_label_contains("The terrain: draw").rect();
         match part {
             Part::All => all,
-            Part::Left => Rect::from_min_max(pos2(0.0, ground.top()), pos2(ground.left(), all.bottom())),
+            Part::Left => {
+                Rect::from_min_max(pos2(all.left(), ground.top()), pos2(ground.left(), all.bottom()))
+            }
             Part::Right => Rect::from_min_max(pos2(ground.right(), ground.top()), all.max),
-            Part::Below => Rect::from_min_max(pos2(0.0, ground.bottom()), all.max),
+            Part::Below => Rect::from_min_max(pos2(all.left(), ground.bottom()), all.max),
             Part::Dialog(title) => {
-                let area = self.harness.ctx.memory(|memory| memory.area_rect(egui::Id::new(*title)));
+                let area = self
+                    .harness
+                    .ctx
+                    .memory(|memory| memory.area_rect(egui::Id::unique(Some(Cow::Borrowed(*title)))));
                 area.unwrap().expand(6.0).intersect(all)
             }
         }
@@ -178,8 +190,8 @@ fn draw(name: &str, bring: fn(&mut Window), part: &Part) {
     let mut window = Window::with_hills();
     bring(&mut window);
     window.settle();
-    // The folder is another one each time.
-    std::thread::sleep(Duration::from_millis(50));
+    // The pointer is in no one's way.
+    window.harness.event(egui::Event::PointerGone);
     window.frames(10);
     window.editor().renew_picture();
     let ground = window.copy_ground();
@@ -204,7 +216,11 @@ fn every_picture_is_in_the_guide_and_small() {
     let guide = std::fs::read_to_string(root().join("docs/editor.md")).unwrap();
     for (name, ..) in SHOTS {
         let bytes = std::fs::read(file(name)).unwrap();
-        assert!(bytes.starts_with(b"\x89PNG") && (bytes.len() as u64) < MAX_BYTES, "{name}: {} bytes", bytes.len());
+        assert!(
+            bytes.starts_with(b"\x89PNG") && (bytes.len() as u64) < MAX_BYTES,
+            "{name}: {} bytes",
+            bytes.len()
+        );
         assert!(guide.contains(&format!("(images/editor-{name}.png)")), "{name} is not in the guide");
     }
     let num_named = guide.matches("(images/editor-").count();
