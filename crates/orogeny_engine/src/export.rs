@@ -170,6 +170,10 @@ impl Terrain {
         let is_size = [width, depth].iter().all(|side| (1..=MAX_SAMPLES_PER_SIDE).contains(side));
         let axes = (!is_plain && is_size)
             .then(|| [Axis::new(rect.width(), width, fit), Axis::new(rect.depth(), depth, fit)]);
+        let (read_level, read_rect) = match fit {
+            Fit::Resample => self.level_for(request, rect, [width, depth])?,
+            Fit::Middle => (level, rect),
+        };
         let steps = axes.as_ref().map_or([1.0, 1.0], |[along_x, along_z]| [along_x.step, along_z.step]);
         // One sample alone has no distance to another.
         let [spacing_x_m, spacing_z_m] =
@@ -182,8 +186,11 @@ impl Terrain {
             None => self.write_plain(&mut file, (source, level, rect), observer)?,
             Some([along_x, along_z]) => {
                 first = (along_x.first, along_z.first);
+                let scale = 1 << (read_level - level);
+                let along_x = along_x.clone().coarser(rect.x0, (read_rect.x0, read_rect.width()), scale);
+                let along_z = along_z.clone().coarser(rect.z0, (read_rect.z0, read_rect.depth()), scale);
                 let write = |row: &[f32]| Ok(file.write_rows(row)?);
-                let (what, axes) = ((source, level, rect), [along_x, along_z]);
+                let (what, axes) = ((source, read_level, read_rect), [&along_x, &along_z]);
                 self.fitted_rows(what, axes, request.is_south_first, observer, write)?;
             }
         }
@@ -200,6 +207,26 @@ impl Terrain {
         }
         let at_m = [(f64::from(rect.x0) + first.0) * spacing_m, (f64::from(rect.z0) + first.1) * spacing_m];
         Ok(ExportSummary { file: request.file.clone(), width, depth, at_m, spacing_m: spacing_x_m, notices })
+    }
+
+    /// The coarsest level that still has as many samples each way as are wanted, and its samples in the region.
+    fn level_for(
+        &self,
+        request: &ExportRequest,
+        rect: SampleRect,
+        [width, depth]: [u32; 2],
+    ) -> Result<(u8, SampleRect)> {
+        let top = self.store()?.layout().top_level(&self.grid());
+        let region = self.region(request.region_m)?;
+        let (mut level, mut samples) = (request.level, rect);
+        for coarser in request.level + 1..=top {
+            let next = self.samples_at(&region, coarser);
+            if next.width() < width || next.depth() < depth {
+                break;
+            }
+            (level, samples) = (coarser, next);
+        }
+        Ok((level, samples))
     }
 
     /// Every sample as it is, from the north.
@@ -354,6 +381,15 @@ mod tests {
         assert_eq!([finer[0], finer[2], finer[599 * 519 - 1]], [at(0, 0), at(1, 0), at(299, 259)]);
         assert!((finer[599 + 1] - (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) / 4.0).abs() < 1.0e-4);
 
+        // What is made much smaller is made of means: their mean is that of the heights.
+        let mean =
+            |all: &[f32]| all.iter().map(|height_m| f64::from(*height_m)).sum::<f64>() / all.len() as f64;
+        let size = of(25, 22, Fit::Resample);
+        let (_, small) = written(&terrain, &ExportRequest { size, ..request.clone() });
+        let spread = |all: &[f32]| {
+            all.iter().map(|m| (f64::from(*m) - mean(all)).powi(2)).sum::<f64>() / all.len() as f64
+        };
+        assert!((mean(&small) - mean(&heights)).abs() < 0.1 * spread(&heights).sqrt(), "{}", mean(&small));
         let size = of(100, 100, Fit::Resample);
         let (summary, _) = written(&terrain, &ExportRequest { size, ..request.clone() });
         assert!(summary.notices.iter().any(|notice| notice.contains("along z")), "{:?}", summary.notices);

@@ -59,6 +59,18 @@ impl Axis {
         });
         Self { places: places.collect(), step, first }
     }
+
+    /// The same places, read at a coarser level: of samples that begin at `start` those that begin at `coarse.0`, `coarse.1` of them, each for
+    /// `scale`. What is made smaller is made of means then, and not of single samples.
+    pub(crate) fn coarser(self, start: i32, coarse: (i32, u32), scale: u32) -> Self {
+        let last = f64::from(coarse.1.max(1) - 1);
+        let places = self.places.into_iter().map(|(index, share)| {
+            let at = f64::from(start) + f64::from(index) + f64::from(share);
+            let at = (at / f64::from(scale) - f64::from(coarse.0)).clamp(0.0, last);
+            (at.floor() as u32, at.fract() as f32)
+        });
+        Self { places: places.collect(), ..self }
+    }
 }
 
 /// Rows of a region, in any order.
