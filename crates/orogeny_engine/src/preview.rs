@@ -133,6 +133,6 @@ mod tests {
         let raw = folder.path().join("h.raw");
         std::fs::copy(&path, &raw).unwrap();
         let err = ImportPreview::read(&raw, &ImportOptions::default(), 64, &mut Quiet).unwrap_err();
-        assert!(err.to_string().contains("size"), "{err}");
+        assert!(err.to_string().contains("give width"), "{err}");
     }
 }
