@@ -56,7 +56,7 @@ impl Frame {
         pos2(self.rect.left() + along * self.rect.width(), self.rect.bottom() - up * self.rect.height())
     }
 
-    fn from_screen(self, at: Pos2) -> [f64; 2] {
+    fn place_at(self, at: Pos2) -> [f64; 2] {
         let along = f64::from((at.x - self.rect.left()) / self.rect.width());
         let up = f64::from((self.rect.bottom() - at.y) / self.rect.height());
         let between = |share: f64, (low, high): (f64, f64)| low + share * (high - low);
@@ -209,11 +209,11 @@ fn drawing(ui: &mut Ui, name: &str, points: &mut Points, is_given: bool) {
         && let Some(at) = response.interact_pointer_pos()
         && near(at).is_none()
     {
-        chosen = points.add(frame.from_screen(at));
+        chosen = points.add(frame.place_at(at));
     } else if response.dragged()
         && let (Some(index), Some(at)) = (chosen, response.interact_pointer_pos())
     {
-        points.put(index, frame.from_screen(at));
+        points.put(index, frame.place_at(at));
     }
     if response.has_focus()
         && ui.input(|input| input.key_pressed(Key::Delete) || input.key_pressed(Key::Backspace))
@@ -345,7 +345,7 @@ mod tests {
         let frame = Frame::new(((-1.0, 1.0), (-4.0, 4.0)), &[[-1.0, -3.0], [1.0, 1.0]], rect);
         assert_eq!(frame.seen, (-3.0, 1.0));
         for point in [[-1.0, -3.0], [0.5, 0.0], [1.0, 1.0]] {
-            let [x, y] = frame.from_screen(frame.to_screen(point));
+            let [x, y] = frame.place_at(frame.to_screen(point));
             assert!((x - point[0]).abs() < 1.0e-3 && (y - point[1]).abs() < 1.0e-3, "{point:?}");
         }
     }

@@ -49,9 +49,11 @@ impl Dialog {
 
     /// Reading heights of a file that is known.
     pub(crate) fn import_of(editor: &Editor, file: &Path) -> Self {
-        let dialog = Self::file(editor, Purpose::Import, "");
-        match dialog {
-            Self::File(dialog) => Self::File(FileDialog { path: file.display().to_string(), ..dialog }),
+        match Self::file(editor, Purpose::Import, "") {
+            Self::File(mut dialog) => {
+                dialog.path = file.display().to_string();
+                Self::File(dialog)
+            }
             other => other,
         }
     }
@@ -72,14 +74,14 @@ impl Dialog {
         let path = folder(editor).join(name).display().to_string();
         let range_m =
             editor.document.as_ref().map_or([0.0, 1.0], |document| document.view.range_m().map(f64::from));
-        Self::File(FileDialog {
+        Self::File(Box::new(FileDialog {
             purpose,
             path,
             is_new: true,
             listed: None,
             export: export::Choice::new(range_m),
             import: import::Choice::default(),
-        })
+        }))
     }
 }
 

@@ -42,7 +42,7 @@ pub(crate) enum Dialog {
     /// A flat terrain is made.
     New(NewTerrain),
     /// A file is opened, read or written.
-    File(FileDialog),
+    File(Box<FileDialog>),
     /// A command is looked for.
     Commands { search: String },
     /// Keys, theme, size.
@@ -131,7 +131,7 @@ pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
     let Some(dialog) = editor.panels.dialog.take() else { return editor.previews.forget() };
     let stays = match dialog {
         Dialog::New(new) => new_terrain::show(editor, ctx, new).map(Dialog::New),
-        Dialog::File(file) => files::show(editor, ctx, file).map(Dialog::File),
+        Dialog::File(file) => files::show(editor, ctx, *file).map(|file| Dialog::File(Box::new(file))),
         Dialog::Commands { search } => {
             commands::show(editor, ctx, search).map(|search| Dialog::Commands { search })
         }

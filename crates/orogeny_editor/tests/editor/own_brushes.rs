@@ -82,6 +82,7 @@ fn a_file_that_is_dropped_is_kept_for_the_next_start() {
     assert!(window.editor().errors().last().unwrap().contains("bad.wgsl"));
     let mut window = Window::in_folder(window.close());
     window.frames(2);
-    window.click("Dent");
+    // It is in the palette, and in the hand as it was before.
+    window.harness.get_by_role_and_label(Role::Button, "Dent");
     window.harness.get_by_label("Dents the ground.");
 }

@@ -1,5 +1,6 @@
 //! Presets of exports: what other programs want of a file of heights, and what has to be typed there.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -141,7 +142,7 @@ impl ExportPreset {
             return Err(format!("`sizes` needs sides of 1 to {MAX_SAMPLES_PER_SIDE} samples"));
         }
         if let ExportRange::Own([low_m, high_m]) = self.range
-            && !(low_m < high_m)
+            && low_m.partial_cmp(&high_m) != Some(Ordering::Less)
         {
             return Err(format!("`range` is {low_m} to {high_m}: the first must be below the second"));
         }
