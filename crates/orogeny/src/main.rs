@@ -15,7 +15,7 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 
-use crate::arguments::{CommandLine, WrongUse};
+use crate::arguments::{Command, CommandLine, WrongUse};
 use crate::output::Output;
 use crate::session::Session;
 
@@ -30,7 +30,7 @@ fn main() -> ExitCode {
 }
 
 fn run(line: CommandLine) -> ExitCode {
-    let session = Session::new(&line.global);
+    let session = Session::new(&line.global, matches!(line.command, Command::Edit(_)));
     match commands::run(line.command, &session) {
         Ok(()) => ExitCode::SUCCESS,
         Err(err) if output::is_broken_pipe(&err) => ExitCode::SUCCESS, // the reader has seen enough, as `head` does

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use orogeny_engine::{
-    Blend, ByteOrder, Cursor, HeightAt, LayerReference, MaskTerm, NodataPolicy, Place, SampleType,
+    Blend, ByteOrder, Cursor, Fit, HeightAt, LayerReference, MaskTerm, NodataPolicy, Place, SampleType,
 };
 
 /// Two whole numbers, as `4096x2048`.
@@ -160,6 +160,24 @@ impl From<Order> for ByteOrder {
         match order {
             Order::Little => Self::Little,
             Order::Big => Self::Big,
+        }
+    }
+}
+
+/// How another number of samples comes about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Fitting {
+    /// Read between the samples; corners stay corners, and the spacing differs
+    Resample,
+    /// The middle, cut out; where there is too little the edge goes on
+    Middle,
+}
+
+impl From<Fitting> for Fit {
+    fn from(fitting: Fitting) -> Self {
+        match fitting {
+            Fitting::Resample => Self::Resample,
+            Fitting::Middle => Self::Middle,
         }
     }
 }

@@ -21,6 +21,7 @@ impl Editor {
             Command::Open => self.panels.dialog = Some(Dialog::open(self)),
             Command::Import => self.panels.dialog = Some(Dialog::import(self)),
             Command::Export => self.panels.dialog = Some(Dialog::export(self)),
+            Command::AddBrush => self.panels.dialog = Some(Dialog::add_brush(self)),
             Command::Quit => self.request_close(),
             Command::Undo => self.travel("undo", Travel::Undo(1)),
             Command::Redo => self.travel("redo", Travel::Redo(1)),
@@ -92,6 +93,7 @@ impl Editor {
             Command::LargerInterface => self.scale_interface(ctx, 1.1),
             Command::SmallerInterface => self.scale_interface(ctx, 1.0 / 1.1),
             Command::ShowMessages => self.panels.shows_messages = !self.panels.shows_messages,
+            Command::ShowLog => self.panels.shows_log = !self.panels.shows_log,
             Command::ShowPreferences => self.panels.dialog = Some(Dialog::Preferences),
             Command::ShowTutorial => self.panels.dialog = Some(Dialog::Tutorial { step: 0 }),
         }
@@ -220,7 +222,7 @@ impl Editor {
         };
         // What a layer is made by covers all of the terrain: it has no radius.
         let brush = || {
-            let mut brush = self.tool.brush_json(Twist::None);
+            let mut brush = self.tool.painted_json(Twist::None);
             brush.remove("radius");
             brush
         };

@@ -52,6 +52,8 @@ pub enum Command {
     CopyFromHere,
     /// The height under the pointer is what the brush for that sets.
     TakeHeight,
+    /// Add a brush that the user wrote.
+    AddBrush,
     /// Take a brush.
     Brush(BrushType),
     /// Have the left button do something.
@@ -108,6 +110,8 @@ pub enum Command {
     SmallerInterface,
     /// What was told.
     ShowMessages,
+    /// What the program noted.
+    ShowLog,
     /// Keys and more.
     ShowPreferences,
     /// The five first steps.
@@ -151,7 +155,7 @@ impl Menu {
 
 impl Command {
     /// Those that stand alone, in the order of their menus.
-    const PLAIN: [Self; 47] = [
+    const PLAIN: [Self; 49] = [
         Self::New,
         Self::Open,
         Self::Import,
@@ -186,6 +190,7 @@ impl Command {
         Self::Weaker,
         Self::CopyFromHere,
         Self::TakeHeight,
+        Self::AddBrush,
         Self::AddLayer,
         Self::AddProcedure,
         Self::AddEffect,
@@ -198,6 +203,7 @@ impl Command {
         Self::ToggleLayer,
         Self::CommandPalette,
         Self::ShowMessages,
+        Self::ShowLog,
         Self::ShowTutorial,
     ];
 
@@ -240,6 +246,7 @@ impl Command {
             Self::Weaker => "weaker".to_owned(),
             Self::CopyFromHere => "copy_from_here".to_owned(),
             Self::TakeHeight => "take_height".to_owned(),
+            Self::AddBrush => "add_brush".to_owned(),
             Self::AddLayer => "add_layer".to_owned(),
             Self::AddProcedure => "add_procedure".to_owned(),
             Self::AddEffect => "add_effect".to_owned(),
@@ -265,6 +272,7 @@ impl Command {
             Self::LargerInterface => "larger_interface".to_owned(),
             Self::SmallerInterface => "smaller_interface".to_owned(),
             Self::ShowMessages => "messages".to_owned(),
+            Self::ShowLog => "log".to_owned(),
             Self::ShowPreferences => "preferences".to_owned(),
             Self::ShowTutorial => "tutorial".to_owned(),
         }
@@ -295,6 +303,7 @@ impl Command {
             Self::Weaker => "Weaker brush".to_owned(),
             Self::CopyFromHere => "Copy from under the pointer".to_owned(),
             Self::TakeHeight => "Take the height under the pointer".to_owned(),
+            Self::AddBrush => "Add a brush of your own…".to_owned(),
             Self::Copy => "Copy the selected ground".to_owned(),
             Self::Paste => "Paste as a floating piece".to_owned(),
             Self::PutDown => "Put the floating piece down".to_owned(),
@@ -353,6 +362,7 @@ impl Command {
             | Self::Weaker
             | Self::CopyFromHere
             | Self::TakeHeight
+            | Self::AddBrush
             | Self::Brush(_) => Menu::Brush,
             Self::AddLayer
             | Self::AddProcedure
@@ -364,7 +374,7 @@ impl Command {
             | Self::RaiseLayer
             | Self::LowerLayer
             | Self::ToggleLayer => Menu::Layer,
-            Self::CommandPalette | Self::ShowMessages | Self::ShowTutorial => Menu::Help,
+            Self::CommandPalette | Self::ShowMessages | Self::ShowLog | Self::ShowTutorial => Menu::Help,
         }
     }
 }

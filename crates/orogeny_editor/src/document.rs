@@ -148,7 +148,9 @@ impl Document {
 
     /// Notes that something was asked for.
     pub fn note(&mut self, ticket: Ticket, what: impl Into<String>) {
-        self.jobs.push(Job { ticket, what: what.into(), progress: None });
+        let what = what.into();
+        tracing::debug!("{what}: asked for");
+        self.jobs.push(Job { ticket, what, progress: None });
     }
 
     /// Takes what the session has told, and gives what people are to hear of it.
@@ -239,6 +241,9 @@ impl Document {
     }
 
     fn end(&mut self, ticket: Ticket) {
+        for job in self.jobs.iter().filter(|job| job.ticket == ticket) {
+            tracing::debug!("{}: ended", job.what);
+        }
         self.jobs.retain(|job| job.ticket != ticket);
         if self.stroke == Some(ticket) {
             self.end_stroke();

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{TextureId, Ui};
+use orogeny_engine::presets::ExportPresets;
 use orogeny_engine::session::{Event, HistoryItem, Session, Travel};
 use orogeny_engine::{
     BrushType, Direction, Format, Gpu, Layer, Mode, Operation, Preset, Presets, Settings, TerrainGrid,
@@ -18,13 +19,16 @@ use crate::camera::CameraControl;
 use crate::command::Command;
 use crate::document::{Document, Message};
 use crate::keymap::Keymap;
+use crate::log::Log;
 use crate::measure::Measurement;
+use crate::own_brushes::OwnBrushes;
 use crate::panels::{Dialog, Panels};
 use crate::piece::Piece;
 use crate::preferences::Preferences;
+use crate::previews::Previews;
 use crate::quality::Quality;
 use crate::thumbnails::Thumbnails;
-use crate::tool::Tool;
+use crate::tool::{Tool, Twist};
 use crate::viewport::Viewport;
 
 /// Messages that are kept at most.
@@ -41,6 +45,10 @@ pub struct EditorOptions {
     pub settings: Settings,
     /// What there is to paint with beside the brushes.
     pub presets: Presets,
+    /// The folder of the brushes that the user wrote, which need not be there; `None`: there is none.
+    pub own_brushes: Option<PathBuf>,
+    /// What the program notes, to be looked at.
+    pub log: Log,
     /// Where preferences are kept; `None`: nowhere.
     pub preferences: Option<PathBuf>,
     /// Makes the terrain that comes along, where it is not there yet, and tells its file.
@@ -76,6 +84,9 @@ pub struct Editor {
     pub(crate) viewport: Viewport,
     pub(crate) quality: Quality,
     pub(crate) thumbnails: Thumbnails,
+    pub(crate) own_brushes: OwnBrushes,
+    pub(crate) export_presets: ExportPresets,
+    pub(crate) previews: Previews,
     pub(crate) panels: Panels,
     pub(crate) messages: Vec<Message>,
     is_closing: bool,
@@ -110,6 +121,9 @@ impl Editor {
         let is_last = |mode: &Mode| mode.name() == preferences.mode && *mode != Mode::Difference;
         let mode = Mode::ALL.into_iter().find(is_last).unwrap_or(first_mode);
         let thumbnails = Thumbnails::new(Arc::clone(&wake));
+        let previews = Previews::new(Arc::clone(&wake));
+        let export_presets = ExportPresets::of(&options.presets);
+        let own_brushes = OwnBrushes::new(options.own_brushes.clone());
         let mut panels = Panels::default();
         if !preferences.has_seen_tutorial {
             panels.dialog = Some(Dialog::Tutorial { step: 0 });
@@ -128,6 +142,9 @@ impl Editor {
             viewport: Viewport::default(),
             quality: Quality::default(),
             thumbnails,
+            own_brushes,
+            export_presets,
+            previews,
             panels,
             messages: wrong.into_iter().collect(),
             is_closing: false,
@@ -264,6 +281,8 @@ impl Editor {
         let text = text.into();
         if is_error {
             tracing::warn!("{text}");
+        } else {
+            tracing::info!("{text}");
         }
         self.messages.push(Message { text, is_error });
         let num_over = self.messages.len().saturating_sub(MAX_MESSAGES);
@@ -339,6 +358,18 @@ impl Editor {
         self.tool.radius_m()
     }
 
+    /// The brush in the hand as a recipe has it.
+    #[must_use]
+    pub fn brush_json(&self) -> serde_json::Map<String, Value> {
+        self.tool.brush_json(Twist::None)
+    }
+
+    /// The file that it paints with, where the user wrote it: while that does not compile a copy of the last good one.
+    #[must_use]
+    pub fn painted_file(&self) -> Option<String> {
+        self.tool.stand_in.clone().or_else(|| self.tool.file())
+    }
+
     /// How strong it is, 0..1.
     #[must_use]
     pub fn brush_share(&self) -> f64 {
@@ -384,6 +415,7 @@ impl Editor {
         };
         self.opening.is_none()
             && !self.thumbnails.is_waiting()
+            && !self.previews.is_waiting()
             && self.document.as_ref().is_none_or(is_settled)
     }
 
@@ -423,8 +455,12 @@ impl Editor {
         crate::panels::show_dialog(self, ui.ctx());
     }
 
-    /// A file that was dropped on the window: a terrain is opened, heights are offered to be imported, a preset is kept.
+    /// A file that was dropped on the window: a terrain is opened, heights are offered to be imported, a preset is kept, a brush is
+    /// taken into the hand.
     fn take_dropped(&mut self, file: &Path) {
+        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("wgsl")) {
+            return self.add_own_brush(file);
+        }
         if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("orogeny")) {
             return self.open(file);
         }

@@ -141,6 +141,7 @@ impl Keymap {
             (Command::Hand(Hand::Tape), key(Key::M)),
             (Command::ShowMap, control(Key::M)),
             (Command::ShowHistogram, control(Key::H)),
+            (Command::ShowLog, control(Key::L)),
             (Command::Compare, shift(Key::V)),
             (Command::SeeEarlier, key(Key::V)),
             (Command::CommandPalette, control(Key::P)),

@@ -142,6 +142,11 @@ impl Editor {
         is_new.then(|| document.view.picture_view())
     }
 
+    /// Has [`Self::take_picture_view`] give the picture again, though its texture is the same.
+    pub const fn renew_picture(&mut self) {
+        self.is_picture_new = true;
+    }
+
     /// How egui knows the picture from now on.
     pub const fn set_picture(&mut self, picture: TextureId) {
         self.picture = Some(picture);

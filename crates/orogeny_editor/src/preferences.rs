@@ -38,6 +38,8 @@ pub struct Preferences {
     pub brushes: BTreeMap<String, Map<String, Value>>,
     /// The brush that was last used.
     pub brush: String,
+    /// Brushes that the user wrote and that lie elsewhere than in the folder for them.
+    pub own_brushes: Vec<PathBuf>,
     /// How the ground was last shown.
     pub mode: String,
     /// Whether the first steps were seen.

@@ -38,6 +38,8 @@ pub struct Tool {
     pub is_on_mask: bool,
     /// Whether it paints on the selection.
     pub is_on_selection: bool,
+    /// What a brush that the user wrote is painted with in place of its file, while that does not compile.
+    pub stand_in: Option<String>,
     /// What the last stroke's seed was.
     seed: u32,
     first_radius_m: f64,
@@ -52,6 +54,7 @@ impl Tool {
             objects,
             is_on_mask: false,
             is_on_selection: false,
+            stand_in: None,
             seed: 0,
             first_radius_m: 50.0,
         }
@@ -87,6 +90,33 @@ impl Tool {
         object.remove("type");
         self.brush_type = brush_type;
         self.objects.insert(brush_type.name().to_owned(), object);
+    }
+
+    /// Takes up a brush that the user wrote, as it was last used; the first time at its full strength, as shapes are written for that.
+    pub fn take_file(&mut self, file: &str) {
+        let custom = BrushType::Custom.name();
+        self.brush_type = BrushType::Custom;
+        let present = self.objects.remove(custom).unwrap_or_default();
+        let known = match present.get("file").and_then(Value::as_str).map(str::to_owned) {
+            Some(same) if same == file => Some(present),
+            Some(other) => {
+                self.objects.insert(format!("{custom} {other}"), present);
+                self.objects.remove(&format!("{custom} {file}"))
+            }
+            None => self.objects.remove(&format!("{custom} {file}")),
+        };
+        let first =
+            || Map::from_iter([("file".to_owned(), file.into()), ("strength".to_owned(), 1.0.into())]);
+        self.objects.insert(custom.to_owned(), known.unwrap_or_else(first));
+    }
+
+    /// The file of the brush in the hand, where the user wrote it.
+    #[must_use]
+    pub fn file(&self) -> Option<String> {
+        if self.brush_type != BrushType::Custom {
+            return None;
+        }
+        self.objects.get(self.brush_type.name())?.get("file")?.as_str().map(str::to_owned)
     }
 
     /// Takes up the brush that copies, from a place in metres.
@@ -192,6 +222,16 @@ impl Tool {
         object
     }
 
+    /// [`Self::brush_json`] as it is painted with.
+    #[must_use]
+    pub fn painted_json(&self, twist: Twist) -> Map<String, Value> {
+        let mut object = self.brush_json(twist);
+        if let (Some(file), true) = (&self.stand_in, object.contains_key("file")) {
+            object.insert("file".to_owned(), file.as_str().into());
+        }
+        object
+    }
+
     /// What it paints on, as recipes have it.
     const fn target(&self, is_on_mask: bool) -> &'static str {
         match (self.is_on_selection, is_on_mask || self.is_on_mask || self.brush_type.is_for_masks()) {
@@ -237,7 +277,7 @@ impl Tool {
             "seed": self.seed,
             "layer": layer,
             "target": self.target(is_on_mask),
-            "brush": self.brush_json(twist),
+            "brush": self.painted_json(twist),
             "points": [],
         });
         match Operation::from_json_with(value, presets)? {
@@ -253,7 +293,7 @@ impl Tool {
     /// What is wrong with its parameters.
     pub fn fill(&mut self, layer: u32, presets: &Presets) -> Result<Operation> {
         self.next_seed();
-        let mut brush = self.brush_json(Twist::None);
+        let mut brush = self.painted_json(Twist::None);
         brush.remove("radius");
         let value = json!({
             "op": "fill", "seed": self.seed, "layer": layer, "target": self.target(false), "brush": brush,
@@ -323,6 +363,26 @@ mod tests {
         assert!(tool.radius_m() > 0.0 && tool.share() > 0.0);
         tool.strengthen(300);
         assert!(tool.share() <= 1.0);
+    }
+
+    #[test]
+    fn each_file_keeps_its_own() {
+        let mut tool = Tool::new("raise", BTreeMap::new());
+        tool.take_file("a.wgsl");
+        assert_eq!(
+            (tool.file().as_deref(), tool.brush_json(Twist::None)["strength"].as_f64()),
+            (Some("a.wgsl"), Some(1.0))
+        );
+        tool.set("parameters", Some(json!({"depth_m": 3})));
+        tool.take_file("b.wgsl");
+        assert!(!tool.object().contains_key("parameters"));
+        tool.stand_in = Some("copy.wgsl".to_owned());
+        assert_eq!(tool.painted_json(Twist::None)["file"], "copy.wgsl");
+        assert_eq!(tool.brush_json(Twist::None)["file"], "b.wgsl", "a preset keeps the file itself");
+        for _ in 0..2 {
+            tool.take_file("a.wgsl");
+            assert_eq!(tool.object()["parameters"]["depth_m"], 3);
+        }
     }
 
     #[test]

@@ -20,6 +20,12 @@ pub struct CustomBrushFile {
     /// Of the content that was looked at last, good or not.
     stamp: Option<(u64, SystemTime)>,
     program: Arc<CustomProgram>,
+    /// What the last good one was made of.
+    text: Vec<u8>,
+    /// Whether the file is that.
+    is_good: bool,
+    /// Where the last good one lies while the file is not that.
+    copy: Option<tempfile::TempDir>,
 }
 
 impl CustomBrushFile {
@@ -30,8 +36,8 @@ impl CustomBrushFile {
     pub fn open(path: impl Into<PathBuf>) -> Result<Self> {
         let path = path.into();
         let stamp = stamp(&path)?;
-        let program = Arc::new(compile(&path)?);
-        Ok(Self { path, stamp: Some(stamp), program })
+        let (text, program) = compile(&path)?;
+        Ok(Self { path, stamp: Some(stamp), program: Arc::new(program), text, is_good: true, copy: None })
     }
 
     /// The file.
@@ -64,13 +70,36 @@ impl CustomBrushFile {
     /// # Errors
     /// As [`Self::open`].
     pub fn refresh(&mut self) -> Result<bool> {
-        let stamp = stamp(&self.path)?;
-        if self.stamp == Some(stamp) {
+        let stamp = stamp(&self.path);
+        if stamp.as_ref().ok().is_some_and(|stamp| self.stamp == Some(*stamp)) {
             return Ok(false);
         }
-        self.stamp = Some(stamp);
-        self.program = Arc::new(compile(&self.path)?);
+        self.is_good = false;
+        self.stamp = Some(stamp?);
+        let (text, program) = compile(&self.path)?;
+        (self.text, self.program, self.is_good, self.copy) = (text, Arc::new(program), true, None);
         Ok(true)
+    }
+
+    /// A file with the last good one, to paint with: the file itself or, where that is not good, a copy of what it was before, which
+    /// is there for as long as this is.
+    ///
+    /// # Errors
+    /// [`Error::Write`] where no copy can be made.
+    pub fn good_file(&mut self) -> Result<PathBuf> {
+        if self.is_good {
+            return Ok(self.path.clone());
+        }
+        let name = self.path.file_name().unwrap_or_default();
+        if let Some(folder) = &self.copy {
+            return Ok(folder.path().join(name));
+        }
+        let failed = |source| Error::Write { path: std::env::temp_dir(), source };
+        let folder = tempfile::tempdir().map_err(failed)?;
+        let path = folder.path().join(name);
+        std::fs::write(&path, &self.text).map_err(failed)?;
+        self.copy = Some(folder);
+        Ok(path)
     }
 }
 
@@ -80,9 +109,11 @@ fn stamp(path: &Path) -> Result<(u64, SystemTime)> {
     Ok((metadata.len(), metadata.modified().map_err(failed)?))
 }
 
-fn compile(path: &Path) -> Result<CustomProgram> {
+fn compile(path: &Path) -> Result<(Vec<u8>, CustomProgram)> {
     let bytes = resources::read(path, MAX_BYTES)?;
-    resources::compile(bytes, &path.to_string_lossy(), path.to_string_lossy().into_owned())
+    let name = path.to_string_lossy();
+    let program = resources::compile(bytes.clone(), &name, name.clone().into_owned())?;
+    Ok((bytes, program))
 }
 
 #[cfg(test)]
@@ -104,11 +135,17 @@ mod tests {
         let err = file.refresh().unwrap_err().to_string();
         assert!(err.contains("lift.wgsl:3"), "{err}");
         assert_eq!(file.summary(), "Lifts.");
+        let copy = file.good_file().unwrap();
+        assert!(copy != path && std::fs::read_to_string(&copy).unwrap() == good);
         assert!(!file.refresh().unwrap(), "what is wrong is told once");
         std::fs::write(&path, good.replace("Lifts", "Lifts again")).unwrap();
         file.stamp = None;
         assert!(file.refresh().unwrap());
         assert_eq!(file.summary(), "Lifts again.");
+        assert!(file.good_file().unwrap() == path && !copy.exists());
+        std::fs::remove_file(&path).unwrap();
+        file.refresh().unwrap_err();
+        assert!(file.good_file().unwrap() != path, "it paints on");
         assert!(CustomBrushFile::open(folder.path().join("none.wgsl")).is_err());
     }
 }

@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 
 use orogeny_field::{LayerContent, SampleRect};
-use orogeny_formats::ExportOptions;
+use orogeny_formats::{Direction, Export, ExportOptions, Format, MAX_SAMPLES_PER_SIDE, SampleType};
 
 use crate::access::Access;
 use crate::composite::{Look, RecorderPages, Source, read};
+use crate::fit::{Axis, ExportSize, Fit};
 use crate::layers::refused;
+use crate::presets::{ExportPreset, PlannedExport};
 use crate::progress::report;
 use crate::{Error, LayerReference, Observer, Result, Terrain};
 
@@ -24,6 +26,10 @@ pub struct ExportRequest {
     pub region_m: Option<[f64; 4]>,
     /// 0 for full resolution; each next level has a sample for two each way.
     pub level: u8,
+    /// The number of samples that the file is to have; `None`: as many as there are.
+    pub size: Option<ExportSize>,
+    /// Whether the southern row comes first, for programs whose depth grows to the north.
+    pub is_south_first: bool,
 }
 
 /// What of a terrain is exported.
@@ -49,9 +55,9 @@ pub struct ExportSummary {
     pub width: u32,
     /// Samples along z.
     pub depth: u32,
-    /// The place of the first sample, `[x, z]` in metres.
+    /// The place of the north-west sample, `[x, z]` in metres.
     pub at_m: [f64; 2],
-    /// Metres between samples.
+    /// Metres between samples, along x.
     pub spacing_m: f64,
     /// What was rounded or left out, for people.
     pub notices: Vec<String>,
@@ -67,11 +73,85 @@ impl ExportRequest {
             source: ExportSource::Composite,
             region_m: None,
             level: 0,
+            size: None,
+            is_south_first: false,
         }
     }
 }
 
+impl ExportRequest {
+    /// What it is going to write of so many samples, so far apart.
+    #[must_use]
+    pub fn planned(&self, samples: [u32; 2], spacing_m: f64) -> PlannedExport {
+        let size = self.size.map_or(samples, |size| [size.width, size.depth]);
+        let fit = self.size.map_or(Fit::Middle, |size| size.fit);
+        let mut spacings_m = [spacing_m; 2];
+        for ((side_m, from), to) in spacings_m.iter_mut().zip(samples).zip(size) {
+            let (steps, steps_there) = (from.max(1) - 1, to.max(1) - 1);
+            if fit == Fit::Resample && steps > 0 && steps_there > 0 {
+                *side_m = spacing_m * f64::from(steps) / f64::from(steps_there);
+            }
+        }
+        let sample = self.options.sample.unwrap_or_else(|| match self.options.format {
+            Some(format) => sample_of(format),
+            None => Format::from_path(&self.file, Direction::Export).map_or(SampleType::U16, sample_of),
+        });
+        let [width, depth] = size.map(u64::from);
+        PlannedExport {
+            size,
+            spacing_m: spacings_m,
+            range_m: self.options.range_m.map(Into::into),
+            num_bytes: width * depth * u64::from(sample.bytes()),
+        }
+    }
+}
+
+/// How a format stores a sample where nothing is said of it.
+const fn sample_of(format: Format) -> SampleType {
+    match format {
+        Format::Png | Format::R16 | Format::Raw => SampleType::U16,
+        Format::Hgt => SampleType::I16,
+        _ => SampleType::F32,
+    }
+}
+
 impl Terrain {
+    /// Lets a preset say what a request does not say: size, samples, order and range; and how a number of samples comes about, unless
+    /// that is said. Tells what is going to be written.
+    ///
+    /// # Errors
+    /// As [`Self::export`], for what cannot be read.
+    pub fn take_preset(
+        &self,
+        request: &mut ExportRequest,
+        preset: &ExportPreset,
+        fit: Option<Fit>,
+    ) -> Result<PlannedExport> {
+        let rect = self.region_at(request.region_m, request.level)?;
+        let samples = [rect.width(), rect.depth()];
+        let fit = fit.unwrap_or(preset.fit);
+        let side = preset.sizes.nearest(rect.width().max(rect.depth()));
+        let of_side = |side: u32| ExportSize { width: side, depth: side, fit };
+        request.size =
+            request.size.or_else(|| side.map(of_side).filter(|size| samples != [size.width, size.depth]));
+        request.is_south_first |= preset.is_south_first;
+        let options = &mut request.options;
+        options.sample = options.sample.or(preset.sample);
+        options.byte_order = options.byte_order.or(preset.byte_order);
+        if options.range_m.is_none() && preset.is_scaled() {
+            let mut range_m = [f64::INFINITY, f64::NEG_INFINITY];
+            let mut composite = self.composite(self.source(&request.source)?, request.level, rect)?;
+            let mut row = vec![0.0; rect.width() as usize];
+            while composite.read_rows(&mut row)? > 0 {
+                for height_m in row.iter().copied().map(f64::from) {
+                    range_m = [range_m[0].min(height_m), range_m[1].max(height_m)];
+                }
+            }
+            options.range_m = preset.range_m(range_m).map(Into::into);
+        }
+        Ok(request.planned(samples, self.grid().spacing_m() * f64::from(1_u32 << request.level)))
+    }
+
     /// Writes heights to a file, which appears whole or not at all.
     ///
     /// # Errors
@@ -81,22 +161,90 @@ impl Terrain {
         let level = request.level;
         let rect = self.region_at(request.region_m, level)?;
         let source = self.source(&request.source)?;
+        let spacing_m = self.grid().spacing_m() * f64::from(1_u32 << level);
+        let (width, depth) =
+            request.size.map_or((rect.width(), rect.depth()), |size| (size.width, size.depth));
+        let is_plain = request.size.is_none() && !request.is_south_first;
+        let fit = request.size.map_or(Fit::Middle, |size| size.fit);
+        // A side that the file is going to refuse has no axis.
+        let is_size = [width, depth].iter().all(|side| (1..=MAX_SAMPLES_PER_SIDE).contains(side));
+        let axes = (!is_plain && is_size)
+            .then(|| [Axis::new(rect.width(), width, fit), Axis::new(rect.depth(), depth, fit)]);
+        let (read_level, read_rect) = match fit {
+            Fit::Resample => self.level_for(request, rect, [width, depth])?,
+            Fit::Middle => (level, rect),
+        };
+        let steps = axes.as_ref().map_or([1.0, 1.0], |[along_x, along_z]| [along_x.step, along_z.step]);
+        // One sample alone has no distance to another.
+        let [spacing_x_m, spacing_z_m] =
+            steps.map(|step| if step > 0.0 { step * spacing_m } else { spacing_m });
         let mut options = request.options.clone();
-        options.spacing_m.get_or_insert(self.grid().spacing_m() * f64::from(1_u32 << level));
-        let (width, depth) = (rect.width(), rect.depth());
+        options.spacing_m.get_or_insert(spacing_x_m);
         let mut file = orogeny_formats::create(&request.file, &options, width, depth)?;
+        let mut first = (0.0, 0.0);
+        match &axes {
+            None => self.write_plain(&mut file, (source, level, rect), observer)?,
+            Some([along_x, along_z]) => {
+                first = (along_x.first, along_z.first);
+                let scale = 1 << (read_level - level);
+                let along_x = along_x.clone().coarser(rect.x0, (read_rect.x0, read_rect.width()), scale);
+                let along_z = along_z.clone().coarser(rect.z0, (read_rect.z0, read_rect.depth()), scale);
+                let write = |row: &[f32]| Ok(file.write_rows(row)?);
+                let (what, axes) = ((source, read_level, read_rect), [&along_x, &along_z]);
+                self.fitted_rows(what, axes, request.is_south_first, observer, write)?;
+            }
+        }
+        let mut notices = file.finish()?.notices;
+        if (spacing_x_m - spacing_z_m).abs() > 1.0e-9 * spacing_x_m {
+            notices.push(format!(
+                "samples are {spacing_x_m:.4} m apart along x, and {spacing_z_m:.4} m along z"
+            ));
+        }
+        if request.is_south_first {
+            notices.push(
+                "the southern row comes first: what expects the northern one sees it mirrored".to_owned(),
+            );
+        }
+        let at_m = [(f64::from(rect.x0) + first.0) * spacing_m, (f64::from(rect.z0) + first.1) * spacing_m];
+        Ok(ExportSummary { file: request.file.clone(), width, depth, at_m, spacing_m: spacing_x_m, notices })
+    }
+
+    /// The coarsest level that still has as many samples each way as are wanted, and its samples in the region.
+    fn level_for(
+        &self,
+        request: &ExportRequest,
+        rect: SampleRect,
+        [width, depth]: [u32; 2],
+    ) -> Result<(u8, SampleRect)> {
+        let top = self.store()?.layout().top_level(&self.grid());
+        let region = self.region(request.region_m)?;
+        let (mut level, mut samples) = (request.level, rect);
+        for coarser in request.level + 1..=top {
+            let next = self.samples_at(&region, coarser);
+            if next.width() < width || next.depth() < depth {
+                break;
+            }
+            (level, samples) = (coarser, next);
+        }
+        Ok((level, samples))
+    }
+
+    /// Every sample as it is, from the north.
+    fn write_plain(
+        &self,
+        file: &mut Export,
+        (source, level, rect): (Source, u8, SampleRect),
+        observer: &mut dyn Observer,
+    ) -> Result<()> {
         let mut composite = self.composite(source, level, rect)?;
-        let mut row = vec![0.0; width as usize];
+        let mut row = vec![0.0; rect.width() as usize];
         let mut num_rows = 0;
         while composite.read_rows(&mut row)? > 0 {
             file.write_rows(&row)?;
             num_rows += 1;
-            report(observer, "exporting", num_rows, u64::from(depth))?;
+            report(observer, "exporting", num_rows, u64::from(rect.depth()))?;
         }
-        let notices = file.finish()?.notices;
-        let spacing_m = self.grid().spacing_m() * f64::from(1_u32 << level);
-        let at_m = [rect.x0, rect.z0].map(|sample| f64::from(sample) * spacing_m);
-        Ok(ExportSummary { file: request.file.clone(), width, depth, at_m, spacing_m, notices })
+        Ok(())
     }
 
     /// The heights of a region at a level, row by row, or a layer's, or how much counts where, as [`Self::export`] writes them; with
@@ -175,5 +323,79 @@ impl Terrain {
             width_m: f64::from(grid.width()) * grid.spacing_m(),
             depth_m: f64::from(grid.depth()) * grid.spacing_m(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use orogeny_field::TerrainGrid;
+    use orogeny_formats::{ImportOptions, open};
+
+    use super::*;
+    use crate::{Adapter, Operation, Quiet, Settings};
+
+    /// What a file holds, row by row.
+    fn written(terrain: &Terrain, request: &ExportRequest) -> (ExportSummary, Vec<f32>) {
+        let summary = terrain.export(request, &mut Quiet).unwrap();
+        let mut file = open(&request.file, &ImportOptions::default()).unwrap();
+        let mut rows = vec![0.0; (summary.width * summary.depth) as usize];
+        let mut rest = rows.as_mut_slice();
+        while !rest.is_empty() {
+            let num_rows = file.read_rows(rest).unwrap();
+            rest = &mut rest[num_rows * summary.width as usize..];
+        }
+        (summary, rows)
+    }
+
+    #[test]
+    fn a_file_has_the_size_and_the_order_that_were_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
+        let path = folder.path().join("t.orogeny");
+        let grid = TerrainGrid::new(300, 260, 2.0).unwrap();
+        let mut terrain = Terrain::create(&path, grid, 10.0, settings).unwrap();
+        let fill = r#"{"op": "fill", "brush": {"type": "noise", "feature_size": 90, "strength": 25}}"#;
+        terrain.apply(&[Operation::from_json_text(fill).unwrap()], &mut Quiet).unwrap();
+        let (_, _, heights) = terrain.heights(&ExportSource::Composite, None, 0).unwrap();
+        let at = |x: usize, z: usize| heights[z * 300 + x];
+        let request = ExportRequest::new(folder.path().join("t.npy"));
+
+        let (_, plain) = written(&terrain, &request);
+        assert_eq!(plain, heights);
+        let (_, from_south) = written(&terrain, &ExportRequest { is_south_first: true, ..request.clone() });
+        let turned: Vec<f32> = heights.chunks(300).rev().flatten().copied().collect();
+        assert_eq!(from_south, turned);
+
+        let of = |width, depth, fit| Some(ExportSize { width, depth, fit });
+        let size = of(200, 300, Fit::Middle);
+        let (summary, middle) = written(&terrain, &ExportRequest { size, ..request.clone() });
+        assert_eq!((summary.at_m, summary.spacing_m), ([100.0, -40.0], 2.0));
+        assert_eq!(
+            [middle[0], middle[20 * 200], middle[299 * 200 + 199]],
+            [at(50, 0), at(50, 0), at(249, 259)]
+        );
+
+        let size = of(599, 519, Fit::Resample);
+        let (summary, finer) = written(&terrain, &ExportRequest { size, ..request.clone() });
+        assert_eq!((summary.at_m, summary.spacing_m), ([0.0, 0.0], 1.0));
+        assert_eq!([finer[0], finer[2], finer[599 * 519 - 1]], [at(0, 0), at(1, 0), at(299, 259)]);
+        assert!((finer[599 + 1] - (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) / 4.0).abs() < 1.0e-4);
+
+        // What is made much smaller is made of means: their mean is that of the heights.
+        let mean =
+            |all: &[f32]| all.iter().map(|height_m| f64::from(*height_m)).sum::<f64>() / all.len() as f64;
+        let size = of(25, 22, Fit::Resample);
+        let (_, small) = written(&terrain, &ExportRequest { size, ..request.clone() });
+        let spread = |all: &[f32]| {
+            all.iter().map(|m| (f64::from(*m) - mean(all)).powi(2)).sum::<f64>() / all.len() as f64
+        };
+        assert!((mean(&small) - mean(&heights)).abs() < 0.1 * spread(&heights).sqrt(), "{}", mean(&small));
+        let size = of(100, 100, Fit::Resample);
+        let (summary, _) = written(&terrain, &ExportRequest { size, ..request.clone() });
+        assert!(summary.notices.iter().any(|notice| notice.contains("along z")), "{:?}", summary.notices);
+        for (width, depth) in [(0, 5), (5, u32::MAX)] {
+            let size = of(width, depth, Fit::Resample);
+            terrain.export(&ExportRequest { size, ..request.clone() }, &mut Quiet).unwrap_err();
+        }
     }
 }

@@ -32,6 +32,7 @@ mod custom;
 mod description;
 mod error;
 mod export;
+mod fit;
 mod ground;
 mod hand;
 mod history;
@@ -43,6 +44,7 @@ mod pages;
 mod palette;
 mod picture;
 pub mod presets;
+mod preview;
 mod progress;
 mod recorded;
 mod relief;
@@ -63,6 +65,7 @@ pub use custom::{CustomBrushFile, CustomParameter};
 pub use description::{Description, HeightStatistics, LayerDescription, MemoryUse};
 pub use error::{Error, Result};
 pub use export::{ExportRequest, ExportSource, ExportSummary};
+pub use fit::{ExportSize, Fit};
 pub use import::{ImportRequest, ImportSummary};
 pub use map::{MapRequest, MapSummary};
 pub use operation::{
@@ -70,11 +73,13 @@ pub use operation::{
     Recipe, RefreshLayer, RemoveLayer, SetLayer, SetMask, Target,
 };
 pub use orogeny_field::{
-    Blend, BrushType, Coverage, LayerContent, LayerReference, LayerTransform, MaskTerm, PageKey, Parameter,
-    ParameterKind, PointerSample, Procedure, SampleRect, SelectCombine, SelectShape, Selecting, TerrainGrid,
+    Blend, BrushType, Coverage, Curve, LayerContent, LayerReference, LayerTransform, MAX_CURVE_POINTS,
+    MaskTerm, PageKey, Parameter, ParameterKind, PointerSample, Procedure, SampleRect, SelectCombine,
+    SelectShape, Selecting, TerrainGrid,
 };
 pub use orogeny_formats::{
-    ByteOrder, Direction, ExportOptions, Format, ImportOptions, NodataPolicy, SampleType,
+    ByteOrder, Direction, ExportOptions, Format, ImportOptions, MAX_SAMPLES_PER_SIDE, NodataPolicy,
+    SampleType,
 };
 pub use orogeny_geomip::{Camera, Cursor, FrameReport, Metric, Mode, PagePlace, PageSummary};
 pub use orogeny_gpu::{AdapterDescription, Gpu, list_adapters};
@@ -84,6 +89,7 @@ pub use orogeny_store::{
 };
 pub use picture::Picture;
 pub use presets::{Preset, Presets};
+pub use preview::ImportPreview;
 pub use progress::{Observer, Progress, Quiet};
 pub use replay::Replayed;
 pub use take_back::Redone;

@@ -24,6 +24,7 @@ Usage: cargo xtask COMMAND
       --skip NAME         all but this step (repeatable)
   instructions            count the instructions of the CPU kernels beside the kept counts
       --keep              keep these counts
+  pictures                draw the pictures of the guide to the editor anew; look at them before you keep them
   golden                  draw the golden pictures anew; look at what changed before you keep it
   bench [WHAT...]         measure speed: arguments go to tools/benchsuite
   help                    this text
@@ -50,6 +51,8 @@ pub enum Command {
     },
     /// Draw the golden pictures anew.
     Golden,
+    /// Draw the pictures of the guide to the editor anew.
+    Pictures,
     /// Run the static checks.
     Check(Selection),
     /// Run the benchmarks with these arguments.
@@ -72,6 +75,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> anyhow::Result<Comman
         "help" => no_more(parser, Command::Help),
         "setup" => no_more(parser, Command::Setup),
         "golden" => no_more(parser, Command::Golden),
+        "pictures" => no_more(parser, Command::Pictures),
         "run" => Ok(Command::Run(passed_through(&mut parser)?)),
         "bench" => Ok(Command::Bench(passed_through(&mut parser)?)),
         "demo" => demo(parser),
@@ -164,7 +168,9 @@ mod tests {
 
     #[test]
     fn every_command_is_in_the_help() {
-        for name in ["setup", "demo", "run", "test", "check", "bench", "instructions", "help"] {
+        for name in
+            ["setup", "demo", "run", "test", "check", "bench", "instructions", "golden", "pictures", "help"]
+        {
             assert!(parsed(name).is_ok(), "{name}");
             assert!(HELP.lines().any(|line| line.trim_start().starts_with(name)), "{name}");
         }

@@ -1,4 +1,4 @@
-//! `run`, `demo` and `bench`: a release build, then the program itself; `golden`: pictures drawn anew.
+//! `run`, `demo` and `bench`: a release build, then the program itself; `golden` and `pictures`: pictures drawn anew.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -55,10 +55,23 @@ pub fn bench(bench_args: &[OsString]) -> anyhow::Result<ExitCode> {
 ///
 /// Cargo cannot be started.
 pub fn golden() -> anyhow::Result<ExitCode> {
+    drawn_by_tests("orogeny_tests", "pictures", "golden", "OROGENY_GOLDEN")
+}
+
+/// Draws the pictures of the guide to the editor anew, in the place of those in `docs/images`.
+///
+/// # Errors
+///
+/// Cargo cannot be started.
+pub fn pictures() -> anyhow::Result<ExitCode> {
+    drawn_by_tests("orogeny_editor", "editor", "every_picture_is_in_the_guide", "OROGENY_PICTURES")
+}
+
+/// Runs the tests that draw pictures where a variable says so.
+fn drawn_by_tests(package: &str, target: &str, filter: &str, variable: &str) -> anyhow::Result<ExitCode> {
     setup::graphics(Need::Required)?;
-    let mut command =
-        cargo(["test", "--quiet", "--package", "orogeny_tests", "--test", "pictures", "golden"]);
-    command.env("OROGENY_GOLDEN", "write");
+    let mut command = cargo(["test", "--quiet", "--package", package, "--test", target, filter]);
+    command.env(variable, "write");
     give_runtime_folder(&mut command)?;
     let drawn = status(&mut command)?;
     Ok(if drawn.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -45,6 +45,7 @@ fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Demo(folder) => launch::demo(folder),
         Command::Test(options) => suite::run(&options),
         Command::Golden => launch::golden(),
+        Command::Pictures => launch::pictures(),
         Command::Instructions { is_kept } => instructions::run(is_kept),
         Command::Check(selection) => check::run(&selection),
         Command::Bench(bench_args) => launch::bench(&bench_args),

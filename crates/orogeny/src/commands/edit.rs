@@ -30,6 +30,8 @@ pub fn run(arguments: &Arguments, session: &Session) -> anyhow::Result<()> {
     let options = EditorOptions {
         settings,
         presets: session.presets(),
+        log: session.log().cloned().unwrap_or_default(),
+        own_brushes: user_folder().map(|folder| folder.join("brushes")),
         preferences: arguments.preferences.clone().or_else(|| Some(user_folder()?.join("editor.json"))),
         bundled: Box::new(move || bundled(&of_bundled)),
     };

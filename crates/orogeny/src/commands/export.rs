@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use orogeny_engine::{ExportOptions, ExportRequest, ExportSource, LayerReference};
+use orogeny_engine::{ExportOptions, ExportRequest, ExportSize, ExportSource, LayerReference};
 use serde::Serialize;
 
 use crate::output::{text_of, write_notices};
 use crate::progress::ProgressWatch;
 use crate::session::Session;
-use crate::values::{self, Order, Sample};
+use crate::values::{self, Fitting, Order, Sample};
 
 /// What `export` takes.
 #[derive(Debug, Args)]
@@ -44,6 +44,18 @@ pub struct Arguments {
     /// Which byte of a sample comes first in a .raw, .r16 or .r32 [default: little]
     #[arg(long)]
     byte_order: Option<Order>,
+    /// As a program wants it, by the name of a preset, as "Unreal R16"; the options beside it count more
+    #[arg(long, value_name = "NAME")]
+    preset: Option<String>,
+    /// So many samples, as 1009x1009 [default: as many as there are, or what the preset takes]
+    #[arg(long, value_name = "WxD", value_parser = values::size::<u32>)]
+    size: Option<[u32; 2]>,
+    /// How another number of samples comes about
+    #[arg(long)]
+    fit: Option<Fitting>,
+    /// The southern row first
+    #[arg(long)]
+    south_first: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -53,6 +65,8 @@ struct Report {
     width: u32,
     depth: u32,
     notices: Vec<String>,
+    /// What has to be typed in the program that the preset is for.
+    advice: Vec<String>,
     elapsed_s: f64,
 }
 
@@ -62,7 +76,12 @@ struct Report {
 /// When they do not fit the format, or the file cannot be written; it is then as it was.
 pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
     let start = Instant::now();
-    let request = ExportRequest {
+    let terrain = session.open_to_read(&arguments.terrain)?;
+    let preset = match &arguments.preset {
+        Some(name) => Some(session.export_presets().get(name)?.clone()),
+        None => None,
+    };
+    let mut request = ExportRequest {
         file: arguments.file,
         options: ExportOptions {
             sample: arguments.sample.map(Into::into),
@@ -78,8 +97,17 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
         },
         region_m: arguments.region,
         level: arguments.level,
+        is_south_first: arguments.south_first,
+        ..ExportRequest::new("")
     };
-    let terrain = session.open_to_read(&arguments.terrain)?;
+    let fit = arguments.fit.map(Into::into);
+    request.size =
+        arguments.size.map(|[width, depth]| ExportSize { width, depth, fit: fit.unwrap_or_default() });
+    let mut advice = Vec::new();
+    if let Some(preset) = preset {
+        let planned = terrain.take_preset(&mut request, &preset, fit)?;
+        advice = preset.program.advice(&planned);
+    }
     let summary = terrain.export(&request, &mut ProgressWatch::new())?;
     terrain.close()?;
     session.output().report(&Report {
@@ -88,6 +116,7 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
         width: summary.width,
         depth: summary.depth,
         notices: summary.notices,
+        advice,
         elapsed_s: start.elapsed().as_secs_f64(),
     })
 }
@@ -96,6 +125,7 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { file, width, depth, elapsed_s, .. } = self;
         write_notices(f, &self.notices)?;
-        writeln!(f, "wrote {file}: {width} x {depth} samples, in {elapsed_s:.2} s")
+        writeln!(f, "wrote {file}: {width} x {depth} samples, in {elapsed_s:.2} s")?;
+        self.advice.iter().try_for_each(|line| writeln!(f, "  {line}"))
     }
 }

@@ -57,7 +57,9 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
                 let shortcut = editor.keymap.shortcut(Command::Brush(*brush_type));
                 let key =
                     shortcut.map(|key| format!(" ({})", ui.ctx().format_shortcut(&key))).unwrap_or_default();
-                let is_chosen = editor.tool.brush_type == *brush_type;
+                // One that the user wrote is chosen by its own name, below.
+                let is_own = *brush_type == BrushType::Custom && editor.tool.file().is_some();
+                let is_chosen = editor.tool.brush_type == *brush_type && !is_own;
                 let button = ui
                     .selectable_label(is_chosen, capitalised(&words(brush_type.name())))
                     .on_hover_text(format!("{}{key}", capitalised(brush_type.summary())));
@@ -67,6 +69,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
             }
         });
     }
+    super::own_brushes::palette(editor, ui, &is_found);
     presets(editor, ui, is_found);
 }
 

@@ -2,16 +2,21 @@
 
 mod brushes;
 mod commands;
+mod curve;
+mod export;
 mod files;
 mod hands;
 mod histogram;
 mod history;
+mod import;
 mod layers;
 mod light;
+mod log;
 mod map;
 mod measurement;
 mod menu;
 mod new_terrain;
+mod own_brushes;
 mod parameters;
 mod piece;
 mod plot;
@@ -26,6 +31,7 @@ use crate::Hand;
 use crate::editor::Editor;
 
 pub(crate) use files::FileDialog;
+pub(crate) use log::LogView;
 pub(crate) use map::MapView;
 pub(crate) use new_terrain::NewTerrain;
 pub(crate) use selection::Selecting;
@@ -36,7 +42,7 @@ pub(crate) enum Dialog {
     /// A flat terrain is made.
     New(NewTerrain),
     /// A file is opened, read or written.
-    File(FileDialog),
+    File(Box<FileDialog>),
     /// A command is looked for.
     Commands { search: String },
     /// Keys, theme, size.
@@ -57,6 +63,9 @@ pub(crate) struct Panels {
     pub(crate) preset_name: String,
     /// Whether the list of all messages is open.
     pub(crate) shows_messages: bool,
+    /// Whether the program's log is open, and what of it is seen.
+    pub(crate) shows_log: bool,
+    pub(crate) log: LogView,
     /// How the selection is changed by the panel for that.
     pub(crate) selecting: Selecting,
     /// Whether the map is open, and what of it is seen.
@@ -75,6 +84,9 @@ pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
             .resizable(true)
             .default_size(140.0)
             .show(ui, |ui| status::messages(editor, ui));
+    }
+    if editor.panels.shows_log {
+        Panel::bottom("log").resizable(true).default_size(200.0).show(ui, |ui| log::show(editor, ui));
     }
     // It is there before the tape is drawn out: the ground must not move under the hand.
     if editor.hand() == Hand::Tape || editor.viewport.tape_m.is_some() {
@@ -116,10 +128,10 @@ pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
 
 /// Draws what is open over the ground.
 pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
-    let Some(dialog) = editor.panels.dialog.take() else { return };
+    let Some(dialog) = editor.panels.dialog.take() else { return editor.previews.forget() };
     let stays = match dialog {
         Dialog::New(new) => new_terrain::show(editor, ctx, new).map(Dialog::New),
-        Dialog::File(file) => files::show(editor, ctx, file).map(Dialog::File),
+        Dialog::File(file) => files::show(editor, ctx, *file).map(|file| Dialog::File(Box::new(file))),
         Dialog::Commands { search } => {
             commands::show(editor, ctx, search).map(|search| Dialog::Commands { search })
         }
@@ -134,11 +146,20 @@ pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
 
 /// A window in the middle that is a dialog. `None` where its cross was clicked.
 fn window<T>(ctx: &Context, title: &str, add: impl FnOnce(&mut Ui) -> T) -> Option<T> {
+    window_of(ctx, title, 420.0, add)
+}
+
+/// A dialog of two columns.
+fn wide_window<T>(ctx: &Context, title: &str, add: impl FnOnce(&mut Ui) -> T) -> Option<T> {
+    window_of(ctx, title, 760.0, add)
+}
+
+fn window_of<T>(ctx: &Context, title: &str, width: f32, add: impl FnOnce(&mut Ui) -> T) -> Option<T> {
     let mut is_open = true;
     let shown = egui::Window::new(title)
         .open(&mut is_open)
         .collapsible(false)
-        .default_width(420.0)
+        .default_width(width)
         .anchor(egui::Align2::CENTER_CENTER, [0.0, -40.0])
         .show(ctx, add);
     shown.and_then(|shown| shown.inner).filter(|_| is_open)

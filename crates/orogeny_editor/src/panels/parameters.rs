@@ -1,8 +1,8 @@
 //! The brush's parameters: size and strength first, then all that its type has, each with its unit, range and default.
 
 use egui::{CollapsingHeader, ComboBox, DragValue, Slider, TextEdit, Ui};
-use orogeny_engine::{Parameter, ParameterKind};
-use serde_json::{Map, Value};
+use orogeny_engine::{BrushType, Parameter, ParameterKind};
+use serde_json::{Map, Value, json};
 
 use crate::command::{capitalised, words};
 use crate::editor::Editor;
@@ -13,10 +13,13 @@ const SHOWN_BEFORE: [&str; 2] = ["radius", "strength"];
 
 pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
     let brush_type = editor.tool.brush_type;
-    ui.heading(capitalised(&words(brush_type.name())));
+    let own = super::own_brushes::title(editor);
+    ui.heading(own.unwrap_or_else(|| capitalised(&words(brush_type.name()))));
     ui.label(egui::RichText::new(capitalised(brush_type.summary())).weak());
     let brush = editor.tool.brush_json(Twist::None);
-    if let Some(picture) = editor.thumbnails.of(ui.ctx(), &brush) {
+    // Thumbnails are made by native code, of which a brush that the user wrote has none.
+    let is_native = brush_type != BrushType::Custom;
+    if is_native && let Some(picture) = editor.thumbnails.of(ui.ctx(), &brush) {
         ui.image((picture.id(), picture.size_vec2())).on_hover_text("One stroke of the brush as it is set");
     }
     size_and_strength(editor, ui);
@@ -31,9 +34,14 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
     });
     let mut object = editor.tool.object();
     let before = object.clone();
-    let parameters: Vec<_> =
-        Parameter::of(brush_type).filter(|parameter| !SHOWN_BEFORE.contains(&parameter.name)).collect();
+    // What the user's file declares is better than an object of numbers under any names.
+    let is_declared = super::own_brushes::parameters(editor, ui, &mut object);
+    let parameters: Vec<_> = Parameter::of(brush_type)
+        .filter(|parameter| !SHOWN_BEFORE.contains(&parameter.name))
+        .filter(|parameter| !(is_declared && parameter.kind == ParameterKind::Values))
+        .collect();
     of_object(ui, &parameters, &mut object);
+    keep_in_step(&mut object, &before);
     if object != before {
         for name in before.keys().chain(object.keys()) {
             editor.tool.set(name, object.get(name).cloned());
@@ -71,6 +79,27 @@ fn size_and_strength(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
+/// A choice that needs a curve, and the curve, which is refused without the choice.
+const CURVES: [(&str, &str); 2] = [("profile", "profile_curve"), ("mapping", "map_curve")];
+
+/// Gives a choice the curve that it needs, takes away the curve of what is chosen no more, and chooses what a curve was drawn for.
+fn keep_in_step(object: &mut Map<String, Value>, before: &Map<String, Value>) {
+    for (choice, curve) in CURVES {
+        let is_chosen = object.get(choice).is_some_and(|word| word == "curve");
+        let has_curve = object.contains_key(curve);
+        let was_chosen = object.get(choice) != before.get(choice);
+        match (is_chosen, has_curve) {
+            (true, false) if was_chosen => {
+                _ = object.insert(curve.to_owned(), json!([[0.0, 0.0], [1.0, 1.0]]))
+            }
+            (true, false) => _ = object.remove(choice),
+            (false, true) if was_chosen => _ = object.remove(curve),
+            (false, true) => _ = object.insert(choice.to_owned(), "curve".into()),
+            (true, true) | (false, false) => {}
+        }
+    }
+}
+
 /// The parameters of an object, or of one within it.
 fn of_object(ui: &mut Ui, parameters: &[&Parameter], object: &mut Map<String, Value>) {
     for parameter in parameters {
@@ -91,6 +120,15 @@ fn of_object(ui: &mut Ui, parameters: &[&Parameter], object: &mut Map<String, Va
                 }
             });
             header.header_response.on_hover_text(capitalised(parameter.meaning));
+            continue;
+        }
+        if let ParameterKind::Curve { x, y } = parameter.kind {
+            let given = object.get(parameter.name).cloned();
+            match super::curve::show(ui, parameter, (x, y), given.as_ref()) {
+                Some(Some(value)) => _ = object.insert(parameter.name.to_owned(), value),
+                Some(None) => _ = object.remove(parameter.name),
+                None => {}
+            }
             continue;
         }
         ui.horizontal(|ui| {
@@ -199,4 +237,29 @@ fn text(ui: &mut Ui, parameter: &Parameter, title: &str, given: Option<&Value>) 
     }
     let parsed = serde_json::from_str(&typed);
     if is_text { Some(parsed.ok().filter(Value::is_number).unwrap_or(typed.into())) } else { parsed.ok() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_and_the_choice_of_it_come_and_go_together() {
+        let object = |value: Value| value.as_object().cloned().unwrap();
+        let curve = json!([[0, 1], [1, 0]]);
+        let (none, both) = (Map::new(), object(json!({"profile": "curve", "profile_curve": curve})));
+        // (before, changed to, what is kept)
+        let line = json!([[0.0, 0.0], [1.0, 1.0]]);
+        for (before, mut changed, kept) in [
+            (&none, object(json!({"profile": "curve"})), json!({"profile": "curve", "profile_curve": line})),
+            (&none, object(json!({"profile_curve": curve})), Value::from(both.clone())),
+            (&both, object(json!({"profile": "tip", "profile_curve": curve})), json!({"profile": "tip"})),
+            (&both, object(json!({"profile_curve": curve})), json!({})),
+            (&both, object(json!({"profile": "curve"})), json!({})),
+            (&both, both.clone(), Value::from(both.clone())),
+        ] {
+            keep_in_step(&mut changed, before);
+            assert_eq!(Value::from(changed), kept);
+        }
+    }
 }

@@ -9,11 +9,16 @@
 mod brushing;
 mod commands;
 mod comparing;
+mod curves;
 mod dialogs;
+mod files;
+mod log;
 mod looking;
 mod lost;
+mod own_brushes;
 mod panels;
 mod pasting;
+mod pictures;
 mod presets;
 mod random;
 mod selecting;

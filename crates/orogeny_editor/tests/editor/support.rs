@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use orogeny_editor::{Command, Editor, EditorOptions, Preferences};
+use orogeny_editor::{Command, Editor, EditorOptions, Log, Preferences};
 use orogeny_engine::{
     Adapter, ExportSource, Gpu, Operation, Presets, Quiet, Settings, Terrain, TerrainGrid, drawing_gpu,
 };
@@ -22,9 +22,11 @@ pub struct Window {
     pub gpu: Gpu,
     pub harness: Harness<'static, Editor>,
     pub folder: tempfile::TempDir,
+    /// What it notes.
+    pub log: Log,
 }
 
-fn settings() -> Settings {
+pub fn settings() -> Settings {
     Settings { adapter: Adapter::Cpu, page_budget_in_bytes: 64 << 20, ..Settings::default() }
 }
 
@@ -65,18 +67,30 @@ impl Window {
 
     /// With nothing open, and preferences that have seen the first steps.
     pub fn empty() -> Self {
+        Self::empty_of(egui::vec2(1000.0, 760.0))
+    }
+
+    /// The same, so large.
+    pub fn empty_of(size: egui::Vec2) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let preferences = Preferences { has_seen_tutorial: true, ..Preferences::default() };
         preferences.write(&folder.path().join("editor.json")).unwrap();
-        Self::in_folder(folder)
+        Self::in_folder_of(folder, size)
     }
 
     /// With what a folder remembers.
     pub fn in_folder(folder: tempfile::TempDir) -> Self {
+        Self::in_folder_of(folder, egui::vec2(1000.0, 760.0))
+    }
+
+    fn in_folder_of(folder: tempfile::TempDir, size: egui::Vec2) -> Self {
         let bundled = folder.path().join("bundled.orogeny");
+        let log = Log::default();
         let options = EditorOptions {
             settings: settings(),
             presets: Presets::open(Some(folder.path().join("presets"))),
+            log: log.clone(),
+            own_brushes: Some(folder.path().join("brushes")),
             preferences: Some(folder.path().join("editor.json")),
             bundled: Box::new(move || {
                 make_terrain(&bundled);
@@ -85,7 +99,7 @@ impl Window {
         };
         let gpu = Self::new_gpu();
         let editor = Editor::new(options, gpu.clone(), || {});
-        let harness = Harness::builder().with_size([1000.0, 760.0]).with_max_steps(64).build_ui_state(
+        let harness = Harness::builder().with_size(size).with_max_steps(64).build_ui_state(
             |ui, editor: &mut Editor| {
                 let start = Instant::now();
                 editor.update();
@@ -95,7 +109,7 @@ impl Window {
             },
             editor,
         );
-        let mut window = Self { gpu, harness, folder };
+        let mut window = Self { gpu, harness, folder, log };
         window.frames(6);
         window
     }

@@ -4,6 +4,7 @@
 //! object is kept as it was written. Presets are told apart by the letters and digits of their names, so capitals and
 //! punctuation do not matter, and a preset of the user's stands in for one of the program's with the same name.
 
+mod exports;
 mod factory;
 mod folder;
 mod gallery;
@@ -20,6 +21,7 @@ use std::sync::LazyLock;
 use orogeny_field::Brush;
 use serde_json::{Map, Value};
 
+pub use exports::{ExportPreset, ExportPresets, ExportProgram, ExportRange, ExportSizes, PlannedExport};
 pub use folder::{user_folder, user_presets_folder};
 pub use gallery::Gallery;
 pub use preset::Preset;

@@ -399,7 +399,7 @@ impl Renderer {
         frame: &Frame,
         targets: &Targets,
     ) {
-        let (light, picture) = (view(&targets.light), targets.picture_view());
+        let (light, picture) = (view(&targets.light), view(&targets.picture));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("orogeny.tone"),
             color_attachments: &[Some(colour(&picture, wgpu::LoadOp::Clear(wgpu::Color::BLACK)))],

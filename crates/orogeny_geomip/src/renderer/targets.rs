@@ -15,7 +15,7 @@ pub struct Targets {
     pub(super) size: [u32; 2],
     pub(super) light: wgpu::Texture,
     pub(super) depth: wgpu::Texture,
-    picture: wgpu::Texture,
+    pub(super) picture: wgpu::Texture,
 }
 
 impl Targets {
@@ -34,7 +34,7 @@ impl Targets {
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage: wgpu::TextureUsages::RENDER_ATTACHMENT | more,
-                view_formats: &[],
+                view_formats: &[format.remove_srgb_suffix()],
             })
         };
         Ok(Self {
@@ -60,10 +60,13 @@ impl Targets {
         &self.depth
     }
 
-    /// The picture that was drawn last.
+    /// The picture that was drawn last, its bytes as they are: who samples it gets sRGB, which is what user interfaces mix colours in.
     #[must_use]
     pub fn picture_view(&self) -> wgpu::TextureView {
-        self.picture.create_view(&wgpu::TextureViewDescriptor::default())
+        self.picture.create_view(&wgpu::TextureViewDescriptor {
+            format: Some(PICTURE_FORMAT.remove_srgb_suffix()),
+            ..wgpu::TextureViewDescriptor::default()
+        })
     }
 
     /// Waits for the picture, and gives its pixels: red, green, blue (sRGB) and alpha, row by row.

@@ -1,0 +1,288 @@
+//! How heights are read: what is in the file, as a picture and in numbers, where they go, and what the file does not say.
+
+use std::path::Path;
+
+use egui::{Color32, ComboBox, DragValue, RichText, Ui, pos2, vec2};
+use orogeny_engine::{
+    ByteOrder, Direction, Format, ImportOptions, ImportPreview, ImportRequest, MAX_SAMPLES_PER_SIDE,
+    NodataPolicy, SampleType, TerrainGrid,
+};
+
+use crate::editor::Editor;
+use crate::previews::Previewed;
+
+const WARNING: Color32 = Color32::from_rgb(230, 120, 90);
+/// The side of the picture, in points of the screen.
+const PICTURE_SIDE: f32 = 190.0;
+/// What all of it takes at least, in points of the screen.
+const MIN_HEIGHT: f32 = 470.0;
+/// Spacings that differ by less than this share are the same.
+const SAME_SPACING: f64 = 1.0e-6;
+/// Samples of files that do not say it themselves.
+const RAW_SAMPLES: [(SampleType, &str); 4] = [
+    (SampleType::U16, "16 bits, whole"),
+    (SampleType::I16, "16 bits, signed"),
+    (SampleType::U8, "8 bits, whole"),
+    (SampleType::F32, "32 bits, floating"),
+];
+
+/// What is chosen so far.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Choice {
+    at_m: [f64; 2],
+    /// Takes samples as far apart as the terrain's, whatever the file says.
+    is_as_terrain: bool,
+    nodata: NodataPolicy,
+    /// What whole samples stand for; `None`: each for a metre.
+    range_m: Option<[f64; 2]>,
+    sample: SampleType,
+    is_big: bool,
+    /// Samples each way of a file that does not say it; `None`: a square.
+    size: Option<[u32; 2]>,
+}
+
+impl Default for Choice {
+    fn default() -> Self {
+        Self {
+            at_m: [0.0, 0.0],
+            is_as_terrain: false,
+            nodata: NodataPolicy::Refuse,
+            range_m: None,
+            sample: SampleType::U16,
+            is_big: false,
+            size: None,
+        }
+    }
+}
+
+impl Choice {
+    fn options(&self, format: Option<Format>, spacing_m: f64, num_bytes: u64) -> ImportOptions {
+        let is_headless = matches!(format, Some(Format::Raw | Format::R16 | Format::R32));
+        let is_raw = format == Some(Format::Raw);
+        // A .raw has to be told its size: a square, where nothing else is said.
+        let square = || {
+            let side = (num_bytes / u64::from(self.sample.bytes())).isqrt();
+            u32::try_from(side).ok().map(|side| (side, side))
+        };
+        let size = self.size.map(Into::into).or_else(|| if is_raw { square() } else { None });
+        ImportOptions {
+            size: size.filter(|_| is_headless),
+            sample: is_raw.then_some(self.sample),
+            byte_order: (is_headless && self.is_big).then_some(ByteOrder::Big),
+            range_m: self.range_m.map(Into::into).filter(|_| self.is_scaled(format)),
+            nodata: self.nodata,
+            spacing_m: self.is_as_terrain.then_some(spacing_m),
+            ..ImportOptions::default()
+        }
+    }
+
+    /// Whether samples are whole numbers that may stand for a range.
+    const fn is_scaled(&self, format: Option<Format>) -> bool {
+        match format {
+            Some(Format::Png | Format::R16) => true,
+            Some(Format::Raw) => self.sample.range_maximum().is_some(),
+            _ => false,
+        }
+    }
+
+    /// What is asked of the engine.
+    pub(super) fn request(&self, path: &Path, layer: Option<String>, grid: TerrainGrid) -> ImportRequest {
+        let format = Format::from_path(path, Direction::Import).ok();
+        let num_bytes = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+        let options = self.options(format, grid.spacing_m(), num_bytes);
+        ImportRequest { options, layer, at_m: self.at_m, ..ImportRequest::new(path) }
+    }
+}
+
+pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: &str) {
+    // What is below does not move when the picture comes.
+    ui.set_min_height(MIN_HEIGHT);
+    let Some(document) = &editor.document else { return };
+    let grid = document.status.grid;
+    let layer = document.current_layer().map(|layer| layer.name.clone()).unwrap_or_default();
+    let path = Path::new(path.trim());
+    if !path.is_file() {
+        ui.label("Choose a file: a picture of it, its size and its heights are shown here.");
+        return;
+    }
+    let format = match Format::from_path(path, Direction::Import) {
+        Ok(format) => format,
+        Err(err) => {
+            ui.colored_label(WARNING, err.to_string());
+            return;
+        }
+    };
+    let options = choice.request(path, None, grid).options;
+    let previewed = editor.previews.of(ui.ctx(), path, &options);
+    match &previewed {
+        Previewed::Waiting => {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label("It is being read");
+            });
+        }
+        Previewed::Wrong(wrong) => _ = ui.colored_label(WARNING, wrong),
+        Previewed::Read(preview, texture) => {
+            ui.horizontal_top(|ui| {
+                picture(ui, preview, texture);
+                ui.vertical(|ui| facts(ui, preview));
+            });
+            fits(ui, choice, preview, grid);
+            for notice in &preview.notices {
+                ui.label(RichText::new(notice).weak());
+            }
+        }
+    }
+    ui.separator();
+    ui.label(format!("It goes into the layer {layer}"));
+    ui.horizontal(|ui| {
+        ui.label("Its north-west sample goes to");
+        for (place_m, name) in choice.at_m.iter_mut().zip(["x", "z"]) {
+            let label = ui.label(name);
+            ui.add(DragValue::new(place_m).suffix(" m").speed(grid.spacing_m())).labelled_by(label.id);
+        }
+    });
+    what_it_does_not_say(ui, choice, format);
+    ui.checkbox(&mut choice.is_as_terrain, format!("Take its samples as {:.4} m apart", grid.spacing_m()))
+        .on_hover_text("As far as the terrain's, whatever the file says");
+    gaps(ui, choice);
+}
+
+/// It from above, with its sides.
+fn picture(ui: &mut Ui, preview: &ImportPreview, texture: &egui::TextureHandle) {
+    let longest = preview.width.max(preview.depth).max(1) as f32;
+    let size = vec2(preview.width as f32, preview.depth as f32) * (PICTURE_SIDE / longest);
+    let (room, response) =
+        ui.allocate_exact_size(size.max(vec2(8.0, 8.0)) + vec2(32.0, 32.0), egui::Sense::hover());
+    let told = "The file from above, north at the top";
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, told));
+    let rect = room.shrink(16.0);
+    let whole = egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    let painter = ui.painter();
+    painter.image(texture.id(), rect, whole, Color32::WHITE);
+    let (font, weak) = (egui::FontId::proportional(11.0), ui.visuals().weak_text_color());
+    for (place, align, name) in [
+        (room.center_top(), egui::Align2::CENTER_TOP, "N"),
+        (room.center_bottom(), egui::Align2::CENTER_BOTTOM, "S"),
+        (room.left_center(), egui::Align2::LEFT_CENTER, "W"),
+        (room.right_center(), egui::Align2::RIGHT_CENTER, "E"),
+    ] {
+        painter.text(place, align, name, font.clone(), weak);
+    }
+    // Where the file begins.
+    painter.circle_filled(rect.left_top(), 4.0, Color32::from_rgb(255, 190, 60));
+    response.on_hover_text("The first sample is the north-west corner; rows run to the east");
+}
+
+fn facts(ui: &mut Ui, preview: &ImportPreview) {
+    let ImportPreview { format, sample, width, depth, spacing_m, range_m: [low_m, high_m], epsg, .. } =
+        preview;
+    ui.label(format!("{format}, {sample}"));
+    ui.label(format!("{width} x {depth} samples"));
+    match spacing_m {
+        Some(spacing_m) => {
+            let [x_km, z_km] = [width, depth].map(|side| f64::from(side.max(&1) - 1) * spacing_m / 1000.0);
+            ui.label(format!("{spacing_m:.4} m apart"));
+            ui.label(format!("{x_km:.2} km x {z_km:.2} km"));
+        }
+        None => _ = ui.label("It tells no spacing"),
+    }
+    ui.label(format!("{low_m:.2} to {high_m:.2} m high"));
+    if let Some(epsg) = epsg {
+        ui.label(format!("EPSG {epsg}"));
+    }
+}
+
+/// What of it does not fit the terrain.
+fn fits(ui: &mut Ui, choice: &Choice, preview: &ImportPreview, grid: TerrainGrid) {
+    let terrain_m = grid.spacing_m();
+    if let Some(raster_m) =
+        preview.spacing_m.filter(|raster_m| (raster_m / terrain_m - 1.0).abs() > SAME_SPACING)
+    {
+        let text = format!(
+            "Its samples are {raster_m:.4} m apart, the terrain's {terrain_m:.4} m: it would be refused. Take them as they are, below, \
+             or make a terrain of it: orogeny import FILE TERRAIN"
+        );
+        ui.colored_label(WARNING, text);
+    }
+    let sides = [(preview.width, grid.width()), (preview.depth, grid.depth())];
+    let covered = choice.at_m.into_iter().zip(sides).map(|(at_m, (side, terrain))| {
+        let from = (at_m / terrain_m).round();
+        let to = from + f64::from(side);
+        ((to.min(f64::from(terrain)) - from.max(0.0)).max(0.0), from < 0.0 || to > f64::from(terrain))
+    });
+    let covered: Vec<_> = covered.collect();
+    let num: f64 = covered.iter().map(|(num, _)| num).product();
+    let share = 100.0 * num / (f64::from(grid.width()) * f64::from(grid.depth()));
+    ui.label(format!("It covers {share:.1} % of the terrain"));
+    if num <= 0.0 {
+        ui.colored_label(WARNING, "It lies beyond the terrain, and would be refused");
+    } else if covered.iter().any(|(_, is_beyond)| *is_beyond) {
+        ui.colored_label(WARNING, "What lies beyond the terrain's edge is left out");
+    }
+}
+
+/// What has to be said of files that do not say it.
+fn what_it_does_not_say(ui: &mut Ui, choice: &mut Choice, format: Format) {
+    if format == Format::Raw {
+        let name = RAW_SAMPLES.iter().find(|(sample, _)| *sample == choice.sample).map(|(_, name)| *name);
+        ComboBox::from_label("Samples").selected_text(name.unwrap_or_default()).show_ui(ui, |ui| {
+            for (sample, name) in RAW_SAMPLES {
+                ui.selectable_value(&mut choice.sample, sample, name);
+            }
+        });
+    }
+    if matches!(format, Format::Raw | Format::R16 | Format::R32) {
+        ui.horizontal(|ui| {
+            ui.checkbox(&mut choice.is_big, "Big endian").on_hover_text("The most significant byte first");
+            let mut is_square = choice.size.is_none();
+            if ui.checkbox(&mut is_square, "Square").changed() {
+                choice.size = (!is_square).then_some([1, 1]);
+            }
+            for (side, name) in choice.size.iter_mut().flatten().zip(["wide", "deep"]) {
+                let label = ui.label(name);
+                ui.add(DragValue::new(side).range(1..=MAX_SAMPLES_PER_SIDE)).labelled_by(label.id);
+            }
+        });
+    }
+    if !choice.is_scaled(Some(format)) {
+        return;
+    }
+    ui.horizontal(|ui| {
+        let mut has_range = choice.range_m.is_some();
+        let told = "What the first and the last whole sample stand for; without it each stands for a metre";
+        if ui.checkbox(&mut has_range, "A range of heights").on_hover_text(told).changed() {
+            choice.range_m = has_range.then_some([0.0, 1000.0]);
+        }
+        for (end, name) in choice.range_m.iter_mut().flatten().zip(["from", "to"]) {
+            let label = ui.label(name);
+            ui.add(DragValue::new(end).suffix(" m")).labelled_by(label.id);
+        }
+    });
+}
+
+/// What becomes of samples without a height.
+fn gaps(ui: &mut Ui, choice: &mut Choice) {
+    let policies = [
+        (NodataPolicy::Refuse, "refuse the file"),
+        (NodataPolicy::Fill, "fill them from around"),
+        (NodataPolicy::Value(0.0), "a height"),
+    ];
+    let is_same = |one: NodataPolicy, other| std::mem::discriminant(&one) == std::mem::discriminant(&other);
+    let title = policies.iter().find(|(policy, _)| is_same(*policy, choice.nodata)).map(|(_, title)| *title);
+    ui.horizontal(|ui| {
+        ComboBox::from_label("Samples without a height").selected_text(title.unwrap_or_default()).show_ui(
+            ui,
+            |ui| {
+                for (policy, title) in policies {
+                    if ui.selectable_label(is_same(policy, choice.nodata), title).clicked() {
+                        choice.nodata = policy;
+                    }
+                }
+            },
+        );
+        if let NodataPolicy::Value(height_m) = &mut choice.nodata {
+            ui.add(DragValue::new(height_m).suffix(" m"));
+        }
+    });
+}
