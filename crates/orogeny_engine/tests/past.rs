@@ -1,6 +1,11 @@
 //! The terrain as it was, beside how it is: bit for bit as if one had gone there, and nothing of the file is changed by looking.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that cannot go on has failed"
+)]
 
 use std::path::Path;
 use std::time::{Duration, Instant};
