@@ -46,25 +46,42 @@ fn enough(value: f32) -> f32 {
     return select(0.0, value, value >= LEAST_M);
 }
 
-fn ground_or(sample: vec2<i32>, beyond: f32) -> f32 {
-    if is_on_terrain(sample) {
-        return first_channel_at(TERRAIN, sample);
-    }
-    return beyond;
+// Ground and water, what the water carries, and what flows from there in one direction.
+struct Column {
+    ground: f32,
+    water: f32,
+    sediment: f32,
+    flow: f32,
 }
 
-fn water_at(sample: vec2<i32>) -> f32 {
+// A neighbour's column; beyond the terrain nothing, on ground of another height.
+fn neighbour_at(sample: vec2<i32>, direction: u32, beyond: f32) -> Column {
     if is_on_terrain(sample) {
-        return first_channel_at(WATER, sample);
+        return Column(
+            first_channel_at(TERRAIN, sample),
+            first_channel_at(WATER, sample),
+            first_channel_at(SEDIMENT, sample),
+            second_channel_at(direction, sample),
+        );
     }
-    return 0.0;
+    return Column(beyond, 0.0, 0.0, 0.0);
 }
 
-fn flow_at(direction: u32, sample: vec2<i32>) -> f32 {
-    if is_on_terrain(sample) {
-        return second_channel_at(direction, sample);
-    }
-    return 0.0;
+// The four of a sample, with what flows from them to it.
+struct Neighbours {
+    west: Column,
+    east: Column,
+    north: Column,
+    south: Column,
+}
+
+fn neighbours_of(sample: vec2<i32>, beyond: f32) -> Neighbours {
+    return Neighbours(
+        neighbour_at(sample + vec2<i32>(-1, 0), EAST, beyond),
+        neighbour_at(sample + vec2<i32>(1, 0), WEST, beyond),
+        neighbour_at(sample + vec2<i32>(0, -1), SOUTH, beyond),
+        neighbour_at(sample + vec2<i32>(0, 1), NORTH, beyond),
+    );
 }
 
 fn begin(sample: vec2<i32>) {
@@ -73,69 +90,67 @@ fn begin(sample: vec2<i32>) {
     store(SEDIMENT, sample, 0.0);
 }
 
-fn new_flow(direction: u32, sample: vec2<i32>, neighbour: vec2<i32>) -> f32 {
+fn new_flow(direction: u32, sample: vec2<i32>, drop: f32) -> f32 {
     var old = 0.0;
     if PHASE == FLUX {
         old = second_channel_at(direction, sample);
     }
-    let drop = (first_channel_at(TERRAIN, sample) - ground_or(neighbour, WALL_M))
-        + (first_channel_at(WATER, sample) - water_at(neighbour));
     return max(old * pipes.flowing + pipes.acceleration * drop, 0.0);
 }
 
 fn update_flux(sample: vec2<i32>) {
-    let w = new_flow(WEST, sample, sample + vec2<i32>(-1, 0));
-    let e = new_flow(EAST, sample, sample + vec2<i32>(1, 0));
-    let n = new_flow(NORTH, sample, sample + vec2<i32>(0, -1));
-    let s = new_flow(SOUTH, sample, sample + vec2<i32>(0, 1));
+    let ground = first_channel_at(TERRAIN, sample);
+    let water = first_channel_at(WATER, sample);
+    let at = neighbours_of(sample, WALL_M);
+    let w = new_flow(WEST, sample, (ground - at.west.ground) + (water - at.west.water));
+    let e = new_flow(EAST, sample, (ground - at.east.ground) + (water - at.east.water));
+    let n = new_flow(NORTH, sample, (ground - at.north.ground) + (water - at.north.water));
+    let s = new_flow(SOUTH, sample, (ground - at.south.ground) + (water - at.south.water));
     let total = (w + e) + (n + s);
-    let scale = min(1.0, ((first_channel_at(WATER, sample) + pipes.rain_m) * KEPT) / max(total, LEAST_M));
+    let scale = min(1.0, ((water + pipes.rain_m) * KEPT) / max(total, LEAST_M));
     store(WEST, sample, enough(w * scale));
     store(EAST, sample, enough(e * scale));
     store(NORTH, sample, enough(n * scale));
     store(SOUTH, sample, enough(s * scale));
 }
 
-// The sediment that a flow out of a sample takes along.
-fn carried(sample: vec2<i32>, flow: f32) -> f32 {
-    if !is_on_terrain(sample) {
-        return 0.0;
-    }
-    let share = flow / max(first_channel_at(WATER, sample) + pipes.rain_m, LEAST_M);
-    return first_channel_at(SEDIMENT, sample) * share;
+// The sediment that a flow out of a column takes along.
+fn carried(sediment: f32, water: f32, flow: f32) -> f32 {
+    return sediment * (flow / max(water + pipes.rain_m, LEAST_M));
+}
+
+fn carried_from(column: Column) -> f32 {
+    return carried(column.sediment, column.water, column.flow);
 }
 
 fn update_ground(sample: vec2<i32>) {
-    let at_west = sample + vec2<i32>(-1, 0);
-    let at_east = sample + vec2<i32>(1, 0);
-    let at_north = sample + vec2<i32>(0, -1);
-    let at_south = sample + vec2<i32>(0, 1);
-    let out_w = flow_at(WEST, sample);
-    let out_e = flow_at(EAST, sample);
-    let out_n = flow_at(NORTH, sample);
-    let out_s = flow_at(SOUTH, sample);
-    let in_w = flow_at(EAST, at_west);
-    let in_e = flow_at(WEST, at_east);
-    let in_n = flow_at(SOUTH, at_north);
-    let in_s = flow_at(NORTH, at_south);
-    let left = (first_channel_at(WATER, sample) + pipes.rain_m) - ((out_w + out_e) + (out_n + out_s));
-    let new_depth = left + ((in_w + in_e) + (in_n + in_s));
+    let height = first_channel_at(TERRAIN, sample);
+    let water = first_channel_at(WATER, sample);
+    let sediment = first_channel_at(SEDIMENT, sample);
+    let out_w = second_channel_at(WEST, sample);
+    let out_e = second_channel_at(EAST, sample);
+    let out_n = second_channel_at(NORTH, sample);
+    let out_s = second_channel_at(SOUTH, sample);
+    // Beyond the terrain the ground is level.
+    let at = neighbours_of(sample, height);
+    let left = (water + pipes.rain_m) - ((out_w + out_e) + (out_n + out_s));
+    let new_depth = left + ((at.west.flow + at.east.flow) + (at.north.flow + at.south.flow));
     store(WATER, sample, enough(new_depth * pipes.staying));
 
-    let lost = (carried(sample, out_w) + carried(sample, out_e)) + (carried(sample, out_n) + carried(sample, out_s));
-    let won = (carried(at_west, in_w) + carried(at_east, in_e)) + (carried(at_north, in_n) + carried(at_south, in_s));
-    let load = max(first_channel_at(SEDIMENT, sample) - lost, 0.0) + won;
+    let lost = (carried(sediment, water, out_w) + carried(sediment, water, out_e))
+        + (carried(sediment, water, out_n) + carried(sediment, water, out_s));
+    let won = (carried_from(at.west) + carried_from(at.east)) + (carried_from(at.north) + carried_from(at.south));
+    let load = max(sediment - lost, 0.0) + won;
 
-    let height = first_channel_at(TERRAIN, sample);
-    let west = ground_or(at_west, height);
-    let east = ground_or(at_east, height);
-    let north = ground_or(at_north, height);
-    let south = ground_or(at_south, height);
+    let west = at.west.ground;
+    let east = at.east.ground;
+    let north = at.north.ground;
+    let south = at.south.ground;
     let slope = vec2<f32>((east - west) * pipes.slope_scale, (south - north) * pipes.slope_scale);
     let squared = slope.x * slope.x + slope.y * slope.y;
     let sine = sqrt(squared / (1.0 + squared));
-    let flow_x = ((in_w - out_w) + (out_e - in_e)) * 0.5;
-    let flow_z = ((in_n - out_n) + (out_s - in_s)) * 0.5;
+    let flow_x = ((at.west.flow - out_w) + (out_e - at.east.flow)) * 0.5;
+    let flow_z = ((at.north.flow - out_n) + (out_s - at.south.flow)) * 0.5;
     let flow = sqrt(flow_x * flow_x + flow_z * flow_z);
     let capacity = (pipes.capacity * max(sine, pipes.min_slope)) * flow;
 

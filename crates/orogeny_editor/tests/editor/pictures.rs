@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use egui::{ColorImage, Modifiers, Rect, TextureHandle, TextureOptions, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
@@ -196,7 +197,12 @@ fn draw(name: &str, bring: fn(&mut Window), part: &Part) {
     // The pointer is in no one's way.
     window.harness.event(egui::Event::PointerGone);
     window.frames(10);
-    window.editor().renew_picture();
+    // The ground is drawn fine once nothing has moved for a while, and then finer from frame to frame.
+    std::thread::sleep(Duration::from_millis(500));
+    for _ in 0..8 {
+        window.editor().renew_picture();
+        window.frames(1);
+    }
     let ground = window.copy_ground();
     window.frames(2);
     let image = window.harness.render().unwrap();
