@@ -55,7 +55,7 @@ pub fn bench(bench_args: &[OsString]) -> anyhow::Result<ExitCode> {
 ///
 /// Cargo cannot be started.
 pub fn golden() -> anyhow::Result<ExitCode> {
-    drawn_by_tests("orogeny_tests", "pictures", "golden", "OROGENY_GOLDEN")
+    drawn_by_tests("pictures", "golden", "OROGENY_GOLDEN")
 }
 
 /// Draws the pictures of the guide to the editor anew, in the place of those in `docs/images`.
@@ -64,13 +64,13 @@ pub fn golden() -> anyhow::Result<ExitCode> {
 ///
 /// Cargo cannot be started.
 pub fn pictures() -> anyhow::Result<ExitCode> {
-    drawn_by_tests("orogeny_editor", "editor", "every_picture_is_in_the_guide", "OROGENY_PICTURES")
+    drawn_by_tests("editor", "every_picture_is_in_the_guide", "OROGENY_PICTURES")
 }
 
-/// Runs the tests that draw pictures where a variable says so.
-fn drawn_by_tests(package: &str, target: &str, filter: &str, variable: &str) -> anyhow::Result<ExitCode> {
+/// Runs the tests that draw pictures where a variable says so. Of the workspace, so that what its tests were built with serves here too.
+fn drawn_by_tests(target: &str, filter: &str, variable: &str) -> anyhow::Result<ExitCode> {
     setup::graphics(Need::Required)?;
-    let mut command = cargo(["test", "--quiet", "--package", package, "--test", target, filter]);
+    let mut command = cargo(["test", "--quiet", "--workspace", "--test", target, filter]);
     command.env(variable, "write");
     give_runtime_folder(&mut command)?;
     let drawn = status(&mut command)?;
