@@ -510,56 +510,15 @@ fn run_batch(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stub_executor::{StubExecutor, dab};
     use crate::{Adapter, Quiet, Settings};
-    use orogeny_brush::{PageMemory, Watch};
-    use orogeny_field::PageKey;
-    use orogeny_pages::PageStore;
 
-    /// An executor whose GPU fails with the first batch.
-    struct Failing(orogeny_gpu::Error);
-
-    impl Executor for Failing {
-        fn description(&self) -> String {
-            "an executor that fails".to_owned()
-        }
-
-        fn run_watched(
-            &mut self,
-            _batch: &Batch,
-            _store: &mut dyn PageStore,
-            _watch: Watch<'_>,
-        ) -> orogeny_brush::Result<()> {
-            Err(self.0.clone().into())
-        }
-
-        fn save(&mut self, _store: &mut dyn PageStore) -> orogeny_brush::Result<()> {
-            Ok(())
-        }
-
-        fn finish(&mut self, _store: &mut dyn PageStore) -> orogeny_brush::Result<Notices> {
-            Ok(Notices::default())
-        }
-
-        fn cancel(&mut self) {}
-
-        fn forget(&mut self, _keys: &[PageKey]) {}
-
-        fn memory(&self) -> PageMemory {
-            PageMemory::default()
-        }
-    }
-
-    fn dab() -> Operation {
-        let text =
-            r#"{"op": "stroke", "brush": {"type": "raise", "radius": 4, "strength": 1}, "points": [[8, 8]]}"#;
-        Operation::from_json_text(text).unwrap()
-    }
-
+    /// Whose GPU fails with the first batch.
     fn terrain_on(folder: &tempfile::TempDir, error: orogeny_gpu::Error) -> Terrain {
         let settings = Settings { adapter: Adapter::Cpu, ..Settings::default() };
         let grid = TerrainGrid::new(64, 64, 1.0).unwrap();
         let mut terrain = Terrain::create(&folder.path().join("t.orogeny"), grid, 0.0, settings).unwrap();
-        terrain.set_executor(Box::new(Failing(error)));
+        terrain.set_executor(Box::new(StubExecutor(move || Err(error.clone().into()))));
         terrain
     }
 

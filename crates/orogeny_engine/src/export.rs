@@ -77,21 +77,16 @@ impl ExportRequest {
             is_south_first: false,
         }
     }
-}
 
-impl ExportRequest {
+    /// The samples that it is going to write of so many, and how they come about.
+    fn size_of(&self, samples: [u32; 2]) -> ([u32; 2], Fit) {
+        self.size.map_or((samples, Fit::Middle), |size| ([size.width, size.depth], size.fit))
+    }
+
     /// What it is going to write of so many samples, so far apart.
     #[must_use]
     pub fn planned(&self, samples: [u32; 2], spacing_m: f64) -> PlannedExport {
-        let size = self.size.map_or(samples, |size| [size.width, size.depth]);
-        let fit = self.size.map_or(Fit::Middle, |size| size.fit);
-        let mut spacings_m = [spacing_m; 2];
-        for ((side_m, from), to) in spacings_m.iter_mut().zip(samples).zip(size) {
-            let (steps, steps_there) = (from.max(1) - 1, to.max(1) - 1);
-            if fit == Fit::Resample && steps > 0 && steps_there > 0 {
-                *side_m = spacing_m * f64::from(steps) / f64::from(steps_there);
-            }
-        }
+        let (size, fit) = self.size_of(samples);
         let sample = self.options.sample.unwrap_or_else(|| match self.options.format {
             Some(format) => sample_of(format),
             None => Format::from_path(&self.file, Direction::Export).map_or(SampleType::U16, sample_of),
@@ -99,11 +94,19 @@ impl ExportRequest {
         let [width, depth] = size.map(u64::from);
         PlannedExport {
             size,
-            spacing_m: spacings_m,
+            spacing_m: spacings_m(fit, samples, size, spacing_m),
             range_m: self.options.range_m.map(Into::into),
             num_bytes: width * depth * u64::from(sample.bytes()),
         }
     }
+}
+
+/// Metres between samples along x and z once they are others, which are so far apart.
+fn spacings_m(fit: Fit, samples: [u32; 2], size: [u32; 2], spacing_m: f64) -> [f64; 2] {
+    let ([from_x, from_z], [to_x, to_z]) = (samples, size);
+    // One sample alone has no distance to another.
+    [fit.step(from_x, to_x), fit.step(from_z, to_z)]
+        .map(|step| if step > 0.0 { step * spacing_m } else { spacing_m })
 }
 
 /// How a format stores a sample where nothing is said of it.
@@ -130,10 +133,9 @@ impl Terrain {
         let rect = self.region_at(request.region_m, request.level)?;
         let samples = [rect.width(), rect.depth()];
         let fit = fit.unwrap_or(preset.fit);
-        let side = preset.sizes.nearest(rect.width().max(rect.depth()));
-        let of_side = |side: u32| ExportSize { width: side, depth: side, fit };
-        request.size =
-            request.size.or_else(|| side.map(of_side).filter(|size| samples != [size.width, size.depth]));
+        let of_preset =
+            || preset.sizes.nearest_size(samples).map(|[width, depth]| ExportSize { width, depth, fit });
+        request.size = request.size.or_else(of_preset);
         request.is_south_first |= preset.is_south_first;
         let options = &mut request.options;
         options.sample = options.sample.or(preset.sample);
@@ -162,10 +164,9 @@ impl Terrain {
         let rect = self.region_at(request.region_m, level)?;
         let source = self.source(&request.source)?;
         let spacing_m = self.grid().spacing_m() * f64::from(1_u32 << level);
-        let (width, depth) =
-            request.size.map_or((rect.width(), rect.depth()), |size| (size.width, size.depth));
+        let samples = [rect.width(), rect.depth()];
+        let ([width, depth], fit) = request.size_of(samples);
         let is_plain = request.size.is_none() && !request.is_south_first;
-        let fit = request.size.map_or(Fit::Middle, |size| size.fit);
         // A side that the file is going to refuse has no axis.
         let is_size = [width, depth].iter().all(|side| (1..=MAX_SAMPLES_PER_SIDE).contains(side));
         let axes = (!is_plain && is_size)
@@ -174,10 +175,7 @@ impl Terrain {
             Fit::Resample => self.level_for(request, rect, [width, depth])?,
             Fit::Middle => (level, rect),
         };
-        let steps = axes.as_ref().map_or([1.0, 1.0], |[along_x, along_z]| [along_x.step, along_z.step]);
-        // One sample alone has no distance to another.
-        let [spacing_x_m, spacing_z_m] =
-            steps.map(|step| if step > 0.0 { step * spacing_m } else { spacing_m });
+        let [spacing_x_m, spacing_z_m] = spacings_m(fit, samples, [width, depth], spacing_m);
         let mut options = request.options.clone();
         options.spacing_m.get_or_insert(spacing_x_m);
         let mut file = orogeny_formats::create(&request.file, &options, width, depth)?;

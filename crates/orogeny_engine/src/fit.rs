@@ -20,6 +20,16 @@ pub enum Fit {
     Middle,
 }
 
+impl Fit {
+    /// Samples of a region, of which it has `from` along an axis, between two of `to`.
+    pub(crate) fn step(self, from: u32, to: u32) -> f64 {
+        match self {
+            Self::Resample => f64::from(from.max(1) - 1) / f64::from(to.max(2) - 1),
+            Self::Middle => 1.0,
+        }
+    }
+}
+
 /// A number of samples that a file is to have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ExportSize {
@@ -38,8 +48,6 @@ type Place = (u32, f32);
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Axis {
     pub(crate) places: Vec<Place>,
-    /// Samples of the level between two of the file's.
-    pub(crate) step: f64,
     /// Where the first one is, in samples of the level from the region's edge on.
     pub(crate) first: f64,
 }
@@ -48,16 +56,17 @@ impl Axis {
     /// `to` samples of `from`.
     pub(crate) fn new(from: u32, to: u32, fit: Fit) -> Self {
         let last = from.max(1) - 1;
-        let (first, step) = match fit {
-            Fit::Resample => (0.0, f64::from(last) / f64::from(to.max(2) - 1)),
-            Fit::Middle => (((i64::from(from) - i64::from(to)).div_euclid(2)) as f64, 1.0),
+        let first = match fit {
+            Fit::Resample => 0.0,
+            Fit::Middle => ((i64::from(from) - i64::from(to)).div_euclid(2)) as f64,
         };
+        let step = fit.step(from, to);
         let places = (0..to).map(|index| {
             let at = (first + f64::from(index) * step).clamp(0.0, f64::from(last));
             let whole = at.floor();
             (whole as u32, (at - whole) as f32)
         });
-        Self { places: places.collect(), step, first }
+        Self { places: places.collect(), first }
     }
 
     /// The same places, read at a coarser level: of samples that begin at `start` those that begin at `coarse.0`, `coarse.1` of them, each for
@@ -108,15 +117,7 @@ impl Rows<'_> {
         let from = z0.saturating_add_unsigned(start);
         let band = SampleRect::new(x0, from, x1, from.saturating_add_unsigned(self.num_rows).min(z1));
         let mut rows = vec![0.0; usize::try_from(band.area()).unwrap_or_default()];
-        let mut read = self.terrain.composite(self.source, self.level, band)?;
-        let mut rest = rows.as_mut_slice();
-        while !rest.is_empty() {
-            let num_rows = read.read_rows(rest)?;
-            if num_rows == 0 {
-                break;
-            }
-            rest = rest.get_mut(num_rows * band.width() as usize..).unwrap_or_default();
-        }
+        self.terrain.composite(self.source, self.level, band)?.read_rows(&mut rows)?;
         Ok(rows)
     }
 }
@@ -173,7 +174,7 @@ mod tests {
     fn corners_stay_corners_and_the_middle_stays_in_the_middle() {
         let axis = Axis::new(5, 9, Fit::Resample);
         assert_eq!((axis.places[0], axis.places[1], axis.places[8]), ((0, 0.0), (0, 0.5), (4, 0.0)));
-        assert_eq!((axis.step, axis.first), (0.5, 0.0));
+        assert_eq!((Fit::Resample.step(5, 9), axis.first), (0.5, 0.0));
         let cut = Axis::new(6, 4, Fit::Middle);
         assert_eq!(
             (cut.places.as_slice(), cut.first),

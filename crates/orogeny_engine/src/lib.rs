@@ -53,6 +53,8 @@ mod resources;
 mod seen;
 mod select;
 pub mod session;
+#[cfg(test)]
+mod stub_executor;
 mod take_back;
 mod terrain;
 mod view;

@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
-use egui::{Color32, ComboBox, DragValue, ProgressBar, RichText, TextEdit, Ui};
+use egui::{ComboBox, DragValue, ProgressBar, RichText, TextEdit, Ui};
 use orogeny_engine::presets::{ExportPreset, ExportProgram, ExportRange, ExportSizes, PlannedExport};
 use orogeny_engine::{
     ByteOrder, Direction, ExportOptions, ExportRequest, ExportSize, Fit, Format, SampleType, TerrainGrid,
 };
 
+use super::{WARNING, compass};
 use crate::editor::Editor;
-
-const WARNING: Color32 = Color32::from_rgb(230, 120, 90);
 
 /// Types of samples that a file may hold.
 const SAMPLES: [(Option<SampleType>, &str); 5] = [
@@ -24,15 +23,6 @@ const SAMPLES: [(Option<SampleType>, &str); 5] = [
 const FITS: [(Fit, &str, &str); 2] = [
     (Fit::Resample, "resampled", "Corners stay corners, and the spacing differs"),
     (Fit::Middle, "the middle", "Samples stay as they are; where there are too few the edge goes on"),
-];
-
-const PROGRAMS: [ExportProgram; 6] = [
-    ExportProgram::Any,
-    ExportProgram::Unreal,
-    ExportProgram::Unity,
-    ExportProgram::Terrain3d,
-    ExportProgram::Hterrain,
-    ExportProgram::Blender,
 ];
 
 /// What is chosen so far.
@@ -57,17 +47,7 @@ enum Wish {
 
 impl Choice {
     pub(super) fn new(range_m: [f64; 2]) -> Self {
-        let preset = ExportPreset {
-            name: String::new(),
-            ending: "png".to_owned(),
-            sample: None,
-            byte_order: None,
-            sizes: ExportSizes::Any,
-            fit: Fit::Resample,
-            range: ExportRange::Terrain,
-            is_south_first: false,
-            program: ExportProgram::Any,
-        };
+        let preset = ExportPreset::plain("", "png");
         Self { preset, size: None, range_m, name: String::new() }
     }
 
@@ -93,11 +73,7 @@ impl Choice {
     }
 
     fn take(&mut self, preset: ExportPreset, grid: TerrainGrid, path: &mut String) {
-        let longest = grid.width().max(grid.depth());
-        self.size = preset.sizes.nearest(longest).map(|side| [side, side]);
-        if self.size == Some([grid.width(), grid.depth()]) {
-            self.size = None;
-        }
+        self.size = preset.sizes.nearest_size([grid.width(), grid.depth()]);
         if let ExportRange::Own(range_m) = preset.range {
             self.range_m = range_m;
         }
@@ -182,7 +158,7 @@ fn presets(editor: &Editor, ui: &mut Ui, choice: &mut Choice) -> Option<Wish> {
 fn samples(ui: &mut Ui, choice: &mut Choice, path: &str) {
     let preset = &mut choice.preset;
     ComboBox::from_label("For").selected_text(preset.program.title()).show_ui(ui, |ui| {
-        for program in PROGRAMS {
+        for program in ExportProgram::ALL {
             ui.selectable_value(&mut preset.program, program, program.title());
         }
     });
@@ -326,21 +302,11 @@ fn orientation(ui: &mut Ui, is_south_first: bool) {
             egui::WidgetInfo::labeled(egui::Role::Image, true, "Rows of samples on the compass")
         });
         let (colour, weak) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
-        let (painter, font) = (ui.painter(), egui::FontId::proportional(11.0));
+        let painter = ui.painter();
         let square = rect.shrink(14.0);
         let line = egui::Stroke::new(1.0, weak);
         painter.rect_stroke(square, 0.0, line, egui::StrokeKind::Middle);
-        let sides = [
-            (rect.center_top(), egui::Align2::CENTER_TOP, "N"),
-            (rect.center_bottom(), egui::Align2::CENTER_BOTTOM, "S"),
-            (rect.left_center(), egui::Align2::LEFT_CENTER, "W"),
-            (rect.right_center(), egui::Align2::RIGHT_CENTER, "E"),
-        ];
-        for (place, align, name) in sides {
-            painter.text(place, align, name, font.clone(), weak);
-        }
-        let first = if is_south_first { square.left_bottom() } else { square.left_top() };
-        painter.circle_filled(first, 4.0, Color32::from_rgb(255, 190, 60));
+        compass(ui, rect, if is_south_first { square.left_bottom() } else { square.left_top() });
         for row in 0..4_u8 {
             let start = square.left_top() + egui::vec2(8.0, 10.0 + 12.0 * f32::from(row));
             let end = start + egui::vec2(square.width() - 16.0, 0.0);

@@ -8,10 +8,10 @@ use orogeny_engine::{
     NodataPolicy, SampleType, TerrainGrid,
 };
 
+use super::{WARNING, compass};
 use crate::editor::Editor;
 use crate::previews::Previewed;
 
-const WARNING: Color32 = Color32::from_rgb(230, 120, 90);
 /// The side of the picture, in points of the screen.
 const PICTURE_SIDE: f32 = 190.0;
 /// What all of it takes at least, in points of the screen.
@@ -158,19 +158,8 @@ fn picture(ui: &mut Ui, preview: &ImportPreview, texture: &egui::TextureHandle) 
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, told));
     let rect = room.shrink(16.0);
     let whole = egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    let painter = ui.painter();
-    painter.image(texture.id(), rect, whole, Color32::WHITE);
-    let (font, weak) = (egui::FontId::proportional(11.0), ui.visuals().weak_text_color());
-    for (place, align, name) in [
-        (room.center_top(), egui::Align2::CENTER_TOP, "N"),
-        (room.center_bottom(), egui::Align2::CENTER_BOTTOM, "S"),
-        (room.left_center(), egui::Align2::LEFT_CENTER, "W"),
-        (room.right_center(), egui::Align2::RIGHT_CENTER, "E"),
-    ] {
-        painter.text(place, align, name, font.clone(), weak);
-    }
-    // Where the file begins.
-    painter.circle_filled(rect.left_top(), 4.0, Color32::from_rgb(255, 190, 60));
+    ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
+    compass(ui, room, rect.left_top());
     response.on_hover_text("The first sample is the north-west corner; rows run to the east");
 }
 

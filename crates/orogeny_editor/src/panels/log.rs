@@ -1,6 +1,6 @@
 //! The program's log: by how much lines matter, searched, copied.
 
-use egui::{Color32, ComboBox, RichText, ScrollArea, TextEdit, Ui};
+use egui::{ComboBox, RichText, ScrollArea, TextEdit, Ui};
 use tracing::Level;
 
 use crate::editor::Editor;
@@ -66,7 +66,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
             // A line of the window for each, whatever is in it.
             let text = RichText::new(line.to_text().replace('\n', "  ")).monospace();
             let text = match line.level {
-                Level::ERROR | Level::WARN => text.color(Color32::from_rgb(230, 120, 90)),
+                Level::ERROR | Level::WARN => text.color(super::WARNING),
                 Level::INFO => text,
                 _ => text.weak(),
             };

@@ -25,7 +25,7 @@ mod selection;
 mod status;
 mod tutorial;
 
-use egui::{Context, Panel, ScrollArea, Ui};
+use egui::{Color32, Context, Panel, ScrollArea, Ui};
 
 use crate::Hand;
 use crate::editor::Editor;
@@ -142,6 +142,23 @@ pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
     if editor.panels.dialog.is_none() {
         editor.panels.dialog = stays;
     }
+}
+
+/// Of what is wrong, or would be refused.
+const WARNING: Color32 = Color32::from_rgb(230, 120, 90);
+
+/// Draws the quarters of the compass within the sides of a rectangle, and where a file of heights begins.
+fn compass(ui: &Ui, rect: egui::Rect, first: egui::Pos2) {
+    let (font, weak) = (egui::FontId::proportional(11.0), ui.visuals().weak_text_color());
+    for (place, align, name) in [
+        (rect.center_top(), egui::Align2::CENTER_TOP, "N"),
+        (rect.center_bottom(), egui::Align2::CENTER_BOTTOM, "S"),
+        (rect.left_center(), egui::Align2::LEFT_CENTER, "W"),
+        (rect.right_center(), egui::Align2::RIGHT_CENTER, "E"),
+    ] {
+        ui.painter().text(place, align, name, font.clone(), weak);
+    }
+    ui.painter().circle_filled(first, 4.0, Color32::from_rgb(255, 190, 60));
 }
 
 /// A window in the middle that is a dialog. `None` where its cross was clicked.

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Color32, DragValue, RichText, Slider, Ui};
+use egui::{DragValue, RichText, Slider, Ui};
 use orogeny_engine::CustomParameter;
 use serde_json::{Map, Value};
 
+use super::WARNING;
 use crate::command::{Command, capitalised, words};
 use crate::editor::Editor;
 use crate::own_brushes::LOOK_EVERY;
@@ -14,7 +15,6 @@ use crate::own_brushes::LOOK_EVERY;
 const PARAMETERS: &str = "parameters";
 /// Where ranges begin that are too wide for a slider.
 const WIDE: f32 = 1000.0;
-const WRONG: Color32 = Color32::from_rgb(230, 120, 90);
 
 /// What is wished of one of them.
 enum Wish {
@@ -39,7 +39,7 @@ pub(super) fn palette(editor: &mut Editor, ui: &mut Ui, is_found: &impl Fn(&str)
                 continue;
             }
             let title = RichText::new(capitalised(&name));
-            let title = if brush.wrong().is_some() { title.color(WRONG) } else { title };
+            let title = if brush.wrong().is_some() { title.color(WARNING) } else { title };
             let label = ui.selectable_label(in_hand.as_deref() == Some(path), title).on_hover_ui(|ui| {
                 ui.label(brush.wrong().unwrap_or(brush.summary()));
                 ui.label(RichText::new(path.display().to_string()).weak());
@@ -91,7 +91,7 @@ pub(super) fn parameters(editor: &Editor, ui: &mut Ui, object: &mut Map<String, 
     let Some(file) = editor.tool.file() else { return false };
     let Some(brush) = editor.own_brushes.get(Path::new(&file)) else { return false };
     if let Some(wrong) = brush.wrong() {
-        ui.label(RichText::new(wrong).monospace().color(WRONG));
+        ui.label(RichText::new(wrong).monospace().color(WARNING));
         let what_paints =
             if brush.parameters().is_some() { "the last good version paints" } else { "it cannot paint" };
         ui.label(format!(

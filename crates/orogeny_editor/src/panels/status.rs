@@ -1,6 +1,6 @@
 //! The line at the bottom: where the pointer is, what is under way, what was told.
 
-use egui::{Color32, ProgressBar, RichText, ScrollArea, Ui};
+use egui::{ProgressBar, RichText, ScrollArea, Ui};
 
 use crate::command::Command;
 use crate::editor::Editor;
@@ -44,8 +44,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
         }
         if let Some(message) = editor.messages.last() {
             let text = RichText::new(message.text.lines().next().unwrap_or_default());
-            let text =
-                if message.is_error { text.color(Color32::from_rgb(230, 120, 90)) } else { text.weak() };
+            let text = if message.is_error { text.color(super::WARNING) } else { text.weak() };
             let label = ui.add(egui::Label::new(text).truncate().sense(egui::Sense::click()));
             if label.on_hover_text(&message.text).clicked() {
                 editor.panels.shows_messages = true;
@@ -68,7 +67,7 @@ pub(super) fn messages(editor: &mut Editor, ui: &mut Ui) {
     ScrollArea::vertical().stick_to_bottom(true).auto_shrink(false).show(ui, |ui| {
         for message in &editor.messages {
             let text = RichText::new(&message.text);
-            ui.label(if message.is_error { text.color(Color32::from_rgb(230, 120, 90)) } else { text });
+            ui.label(if message.is_error { text.color(super::WARNING) } else { text });
         }
     });
 }

@@ -110,9 +110,32 @@ impl ExportSizes {
         let below = sides.iter().filter(|side| **side <= num_samples).max();
         below.or_else(|| sides.iter().min()).copied()
     }
+
+    /// The size that so many samples come nearest to; `None`: they are right as they are.
+    #[must_use]
+    pub fn nearest_size(&self, [width, depth]: [u32; 2]) -> Option<[u32; 2]> {
+        let side = self.nearest(width.max(depth))?;
+        Some([side; 2]).filter(|size| *size != [width, depth])
+    }
 }
 
 impl ExportPreset {
+    /// All samples of a terrain, over its own range, for no program alone.
+    #[must_use]
+    pub fn plain(name: &str, ending: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            ending: ending.to_owned(),
+            sample: None,
+            byte_order: None,
+            sizes: ExportSizes::default(),
+            fit: Fit::default(),
+            range: ExportRange::default(),
+            is_south_first: false,
+            program: ExportProgram::default(),
+        }
+    }
+
     /// Whether samples are whole numbers that a range can be given for.
     #[must_use]
     pub fn is_scaled(&self) -> bool {
@@ -168,6 +191,10 @@ fn is_scaled(ending: &str, sample: Option<SampleType>) -> bool {
 }
 
 impl ExportProgram {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Any, Self::Unreal, Self::Unity, Self::Terrain3d, Self::Hterrain, Self::Blender];
+
     /// What people call it.
     #[must_use]
     pub const fn title(self) -> &'static str {
@@ -231,17 +258,7 @@ impl ExportProgram {
 
 /// Those that come with the program.
 fn factory() -> Vec<ExportPreset> {
-    let plain = |name: &str, ending: &str| ExportPreset {
-        name: name.to_owned(),
-        ending: ending.to_owned(),
-        sample: None,
-        byte_order: None,
-        sizes: ExportSizes::Any,
-        fit: Fit::Resample,
-        range: ExportRange::Terrain,
-        is_south_first: false,
-        program: ExportProgram::Any,
-    };
+    let plain = ExportPreset::plain;
     let unreal = || ExportSizes::Square(vec![127, 253, 505, 1009, 2017, 4033, 8129]);
     let powers =
         |low: u32, high: u32| ExportSizes::Square((low..=high).map(|power| (1 << power) + 1).collect());

@@ -1,57 +1,16 @@
 use std::time::{Duration, Instant};
 
-use orogeny_brush::{Batch, Executor, Notices, PageMemory, Watch};
-use orogeny_field::{PageKey, PointerSample, TerrainGrid};
+use orogeny_field::{PointerSample, TerrainGrid};
 use orogeny_geomip::PagePlace;
-use orogeny_pages::PageStore;
 
 use crate::session::{Event, PageRequest, Session, Ticket};
+use crate::stub_executor::{StubExecutor, dab};
 use crate::{Adapter, BrushOperation, Operation, Quiet, Settings, Terrain};
 
 const WAIT: Duration = Duration::from_secs(60);
 
-/// An executor with a fault.
-struct Panicking;
-
-impl Executor for Panicking {
-    fn description(&self) -> String {
-        "an executor that panics".to_owned()
-    }
-
-    fn run_watched(
-        &mut self,
-        _batch: &Batch,
-        _store: &mut dyn PageStore,
-        _watch: Watch<'_>,
-    ) -> orogeny_brush::Result<()> {
-        panic!("the executor's fault");
-    }
-
-    fn save(&mut self, _store: &mut dyn PageStore) -> orogeny_brush::Result<()> {
-        Ok(())
-    }
-
-    fn finish(&mut self, _store: &mut dyn PageStore) -> orogeny_brush::Result<Notices> {
-        Ok(Notices::default())
-    }
-
-    fn cancel(&mut self) {}
-
-    fn forget(&mut self, _keys: &[PageKey]) {}
-
-    fn memory(&self) -> PageMemory {
-        PageMemory::default()
-    }
-}
-
 fn settings() -> Settings {
     Settings { adapter: Adapter::Cpu, ..Settings::default() }
-}
-
-fn dab() -> Operation {
-    let text =
-        r#"{"op": "stroke", "brush": {"type": "raise", "radius": 4, "strength": 1}, "points": [[8, 8]]}"#;
-    Operation::from_json_text(text).unwrap()
 }
 
 fn stroke() -> BrushOperation {
@@ -99,7 +58,7 @@ fn all_who_ask_a_session_whose_thread_panicked_are_answered() {
     let grid = TerrainGrid::new(64, 64, 1.0).unwrap();
     let mut terrain = Terrain::create(&path, grid, 0.0, settings()).unwrap();
     terrain.apply(&[dab()], &mut Quiet).unwrap();
-    terrain.set_executor(Box::new(Panicking));
+    terrain.set_executor(Box::new(StubExecutor(|| panic!("the executor's fault"))));
     let root = PagePlace::root(&grid, terrain.store().unwrap().layout());
     let session = Session::of(terrain, || {}).unwrap();
 

@@ -154,10 +154,10 @@ impl LiveView {
 
     /// Hands over again what has come: what of it is shown is another thing now.
     fn upload_all(&mut self) -> Result<()> {
-        for place in
-            self.known.places().into_iter().filter(|place| self.renderer.holds(*place)).collect::<Vec<_>>()
-        {
-            self.upload(place, None)?;
+        for place in self.known.places() {
+            if self.renderer.holds(place) {
+                self.upload(place, None)?;
+            }
         }
         Ok(())
     }
