@@ -6,9 +6,9 @@
 
 const WORKGROUP_SIDE = 16u;
 
-// A bit for each input that is a part of a ground, which is mirrored at its border. A constant: a driver that works out both sides
-// of a condition would else find for each sample of the others where it would lie.
-override MIRRORED_INPUTS: u32 = 15u;
+// A bit for x and one for z of each input, where what it is a part of is mirrored. A constant: a driver that works out both sides of a
+// condition would else find for each sample of the others where it would lie.
+override MIRRORED_AXES: u32 = 255u;
 
 // Samples that an invocation makes, along each axis: one or four. orogeny_brush::filter::Step::at_once
 override AT_ONCE_ALONG_X: u32 = 1u;
@@ -16,7 +16,7 @@ override AT_ONCE_ALONG_Z: u32 = 1u;
 
 struct Input {
     plane: Plane,
-    extent: vec2<u32>, // samples of the ground that it is a part of, where that is mirrored at its border
+    periods: vec2<u32>, // samples after which what it is a part of is there again, once forwards and once backwards
     padding: vec2<u32>,
 }
 
@@ -36,9 +36,9 @@ struct Step {
 
 // Where a place, at most 2^23 from the grid, lies once that is mirrored at its ends: as far from 0 as it is from the nearest
 // multiple of the period, or from the next one where the quotient's rounding took that for the nearest. Without a division of
-// whole numbers, which costs more than most kernels that read by this. Twin: orogeny_field::mirrored.
-fn mirrored(place: i32, num_samples: u32) -> i32 {
-    let period = 2 * max(i32(num_samples) - 1, 0);
+// whole numbers, which costs more than most kernels that read by this. Twin: orogeny_field::Mirrors.
+fn mirrored(place: i32, samples: u32) -> i32 {
+    let period = i32(samples);
     let nearest = i32(round(f32(place) / f32(max(period, 1))));
     let away = abs(place - nearest * period);
     return select(min(away, period - away), 0, period == 0);
@@ -46,9 +46,12 @@ fn mirrored(place: i32, num_samples: u32) -> i32 {
 
 fn index_of(input: u32, sample: vec2<i32>) -> u32 {
     var place = sample;
-    if (MIRRORED_INPUTS & (1u << input)) != 0u {
-        let extent = step_planes.inputs[input].extent;
-        place = vec2<i32>(mirrored(place.x, extent.x), mirrored(place.y, extent.y));
+    let periods = step_planes.inputs[input].periods;
+    if (MIRRORED_AXES & (1u << (2u * input))) != 0u {
+        place.x = mirrored(place.x, periods.x);
+    }
+    if (MIRRORED_AXES & (2u << (2u * input))) != 0u {
+        place.y = mirrored(place.y, periods.y);
     }
     return index_in(step_planes.inputs[input].plane, 0u, place);
 }

@@ -16,27 +16,27 @@ struct Line {
     first: u32,  // where in the buffer the place 0 of the plane lies
     step: u32,   // from place to place
     origin: i32, // the plane's first place
-    extent: u32, // of the ground, where it is mirrored
+    period: u32, // after which it is there again, where it is mirrored
 }
 
 fn line_through(sample: vec2<i32>) -> Line {
     let input = step_planes.inputs[0];
     var across = sample;
-    if (MIRRORED_INPUTS & 1u) != 0u {
-        across = vec2<i32>(mirrored(sample.x, input.extent.x), mirrored(sample.y, input.extent.y));
+    if (MIRRORED_AXES & (2u >> AXIS)) != 0u {
+        across = vec2<i32>(mirrored(sample.x, input.periods.x), mirrored(sample.y, input.periods.y));
     }
     if AXIS == 1u {
         let column = vec2<i32>(across.x, input.plane.origin.y);
-        return Line(index_in(input.plane, 0u, column), input.plane.stride, input.plane.origin.y, input.extent.y);
+        return Line(index_in(input.plane, 0u, column), input.plane.stride, input.plane.origin.y, input.periods.y);
     }
     let row = vec2<i32>(input.plane.origin.x, across.y);
-    return Line(index_in(input.plane, 0u, row), 1u, input.plane.origin.x, input.extent.x);
+    return Line(index_in(input.plane, 0u, row), 1u, input.plane.origin.x, input.periods.x);
 }
 
 fn value_at(line: Line, place: i32) -> f32 {
     var there = place;
-    if (MIRRORED_INPUTS & 1u) != 0u {
-        there = mirrored(place, line.extent);
+    if (MIRRORED_AXES & (1u << AXIS)) != 0u {
+        there = mirrored(place, line.period);
     }
     return first_values[line.first + u32(there - line.origin) * line.step];
 }

@@ -169,7 +169,7 @@ fn mirrors() -> Vec<Mirror> {
             }
         ),
         mirror!("Plane", PlaneUniform { origin, stride, channel_stride }),
-        mirror!("Input", InputUniform { plane, extent, padding }),
+        mirror!("Input", InputUniform { plane, periods, padding }),
         mirror!("Step", StepUniform { result, inputs, size, extent }),
         mirror!("Place", Place { cell, fraction }),
         mirror!("Resample", ResampleUniform { scale, offset_m }),

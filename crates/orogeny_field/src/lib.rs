@@ -33,6 +33,7 @@ mod height;
 mod instance;
 mod layer;
 mod level;
+mod mirrors;
 pub mod noise;
 mod page;
 mod placement;
@@ -67,9 +68,10 @@ pub use layer::{
     MaskTerm, Procedure,
 };
 pub use level::{HeightBounds, MIN_ERROR_GROWTH, rect_above, rect_below};
+pub use mirrors::{Mirrors, mirrored};
 pub use page::{DEFAULT_PAGE_SIZE, FieldId, Page, PageKey, PageLayout};
 pub use placement::{Part, Place, Placement, Placing};
-pub use plane::{Plane, mirrored};
+pub use plane::Plane;
 pub use rect::SampleRect;
 pub use selecting::{
     MAX_FEATHER_SAMPLES, MAX_GROW_SAMPLES, MAX_LASSO_POINTS, SelectCombine, SelectLengths, SelectShape,

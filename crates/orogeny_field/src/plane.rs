@@ -151,33 +151,9 @@ const fn num_values(rect: &SampleRect, num_channels: u32) -> usize {
     rect.area() as usize * num_channels as usize
 }
 
-/// The sample that lies where `place` does once a grid of `num_samples` is mirrored at its first and last sample, without
-/// repeating them: `dcb|abcd|cba`, as often as it takes.
-#[must_use]
-pub const fn mirrored(place: i32, num_samples: u32) -> i32 {
-    let last = num_samples.saturating_sub(1).cast_signed();
-    if last == 0 {
-        return 0;
-    }
-    let within = place.rem_euclid(2 * last);
-    if within <= last { within } else { 2 * last - within }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn places_beyond_a_grid_are_mirrored_in_it() {
-        for (place, expected) in
-            [(-1, 1), (0, 0), (9, 9), (10, 8), (11, 7), (18, 0), (19, 1), (-10, 8), (400, 4)]
-        {
-            assert_eq!(mirrored(place, 10), expected, "{place}");
-        }
-        assert_eq!((mirrored(-7, 1), mirrored(3, 1), mirrored(3, 2)), (0, 0, 1));
-        let largest = 1 << 20;
-        assert_eq!(mirrored((1 << 20) + 5, largest), (1 << 20) - 7);
-    }
 
     #[test]
     fn rows_are_named_by_their_place_on_the_grid() {

@@ -60,9 +60,7 @@ impl CpuExecutor {
             Step::Field(field) => plane_of(*field).is_some(),
             _ => false,
         };
-        let is_given = |place: usize| filter.graph.given_extent(place).is_some();
-        let nodes = filter.graph.nodes();
-        if nodes.iter().enumerate().any(|(place, node)| is_given(place) && !is_here(&node.step)) {
+        if filter.graph.nodes().iter().any(|node| node.step.is_given() && !is_here(&node.step)) {
             return Ok(None);
         }
         let mut planes = std::mem::take(&mut self.planes);

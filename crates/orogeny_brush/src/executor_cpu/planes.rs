@@ -37,7 +37,7 @@ impl Planes {
             }
             let passing = passing(graph, node);
             let mut plane = self.memory(*rect, node.step.num_channels());
-            if graph.given_extent(place).is_some() {
+            if node.step.is_given() {
                 plane = given(&node.step, plane)?;
             } else if !rect.is_empty() {
                 let made_of = passing.map_or(node, |(_, before)| before);
@@ -45,12 +45,13 @@ impl Planes {
                     let there = there(&graph.nodes().get(input)?.step);
                     there.or_else(|| planes.get(input)?.as_ref())
                 };
-                let source = |input: &usize| {
-                    Some(Source { plane: plane_of(*input)?, mirrored_in: graph.given_extent(*input) })
-                };
+                let source =
+                    |input: &usize| Some(Source { plane: plane_of(*input)?, mirrors: graph.mirrors(*input) });
                 let sources: Vec<_> = made_of.inputs.iter().filter_map(source).collect();
                 threads.install(|| match passing {
-                    Some((_, before)) => fill_through(&mut plane, &node.step, &before.step, &sources),
+                    Some((place, before)) => {
+                        fill_through(&mut plane, &node.step, &before.step, graph.mirrors(place), &sources);
+                    }
                     None => fill(&mut plane, &node.step, &sources, graph.extent()),
                 });
             }

@@ -1,6 +1,6 @@
 //! Steps of graphs on the CPU: a plane row by row, on all cores.
 
-use orogeny_field::{PYRAMID_PHASES, Place, Plane, SampleRect, mirrored};
+use orogeny_field::{Mirrors, PYRAMID_PHASES, Place, Plane, SampleRect};
 use orogeny_reference::field::between::Ground;
 use orogeny_reference::field::{
     Channel, band, channel, combine, convolve, cover, grab, interpolate, lerp, pipes, resample, sharpen,
@@ -23,23 +23,18 @@ const PIECE_COLUMNS: usize = 320;
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub(super) plane: &'a Plane,
-    /// Samples of the ground that it is a part of, where that is mirrored at its border.
-    pub(super) mirrored_in: Option<[u32; 2]>,
+    /// Where what it is a part of is mirrored.
+    pub(super) mirrors: Mirrors,
 }
 
 impl<'a> Source<'a> {
     const fn ground(&self) -> Ground<'a> {
-        Ground { plane: self.plane, mirrored_in: self.mirrored_in }
-    }
-
-    /// Where row `z` lies in the plane.
-    fn mirrored_row(&self, z: i32) -> i32 {
-        self.mirrored_in.map_or(z, |[_, depth]| mirrored(z, depth))
+        Ground { plane: self.plane, mirrors: self.mirrors }
     }
 
     /// `length` samples of a row from column `x` on, none of which lies beyond the border.
     fn part(&self, z: i32, x: i32, length: usize) -> &'a [f32] {
-        part(self.plane, 0, x, self.mirrored_row(z), length)
+        part(self.plane, 0, x, self.mirrors.row(z), length)
     }
 
     /// `length` samples of a row from column `x` on; through the buffer where they lie beyond the border.
@@ -52,9 +47,8 @@ impl<'a> Source<'a> {
         if x >= x0 && end <= x1 {
             return self.part(z, x, length);
         }
-        let row = self.plane.row(self.mirrored_row(z)).unwrap_or_default();
+        let row = self.plane.row(self.mirrors.row(z)).unwrap_or_default();
         let part = |from: i32, to: i32| row.get(from.abs_diff(x0) as usize..to.abs_diff(x0) as usize);
-        let width = self.mirrored_in.map_or(u32::MAX, |[width, _]| width);
         let (inner, outer) = (x.max(x0).min(end), end.min(x1).max(x));
         buffer.clear();
         for (from, to) in [(x, inner), (inner, outer), (outer, end)] {
@@ -62,13 +56,13 @@ impl<'a> Source<'a> {
                 continue;
             }
             // Between two mirrors the samples lie in one piece, forwards or backwards.
-            let (first, last) = (mirrored(from, width), mirrored(to - 1, width));
+            let (first, last) = (self.mirrors.column(from), self.mirrors.column(to - 1));
             let one_piece = first.abs_diff(last) == (to - 1).abs_diff(from);
             match part(first.min(last), first.max(last) + 1).filter(|_| one_piece) {
                 Some(samples) if first <= last => buffer.extend_from_slice(samples),
                 Some(samples) => buffer.extend(samples.iter().rev()),
                 None => buffer.extend((from..to).map(|x| {
-                    let place = mirrored(x, width);
+                    let place = self.mirrors.column(x);
                     part(place, place + 1).and_then(|sample| sample.first().copied()).unwrap_or_default()
                 })),
             }
@@ -116,8 +110,14 @@ pub(super) fn fill(plane: &mut Plane, step: &Step, sources: &[Source<'_>], exten
 }
 
 /// Works out a plane along one axis, of what a step along the other, `before`, makes of its sources: piece by piece, so that
-/// what is between them never goes through memory.
-pub(super) fn fill_through(plane: &mut Plane, step: &Step, before: &Step, sources: &[Source<'_>]) {
+/// what is between them, and is mirrored so, never goes through memory.
+pub(super) fn fill_through(
+    plane: &mut Plane,
+    step: &Step,
+    before: &Step,
+    mirrors: Mirrors,
+    sources: &[Source<'_>],
+) {
     let rect = plane.rect();
     let width = rect.width() as usize;
     let num_rows = (rect.depth() as usize).div_ceil(4 * rayon::current_num_threads());
@@ -132,14 +132,14 @@ pub(super) fn fill_through(plane: &mut Plane, step: &Step, before: &Step, source
             for first in (0..width).step_by(PIECE_COLUMNS) {
                 let columns = first..width.min(first + PIECE_COLUMNS);
                 let [x0, x1] = [columns.start, columns.end].map(|column| rect.x0 + column as i32);
-                let between = step.source_rect(&SampleRect::new(x0, z0, x1, z1), 0);
+                let between = mirrors.shown(&step.source_rect(&SampleRect::new(x0, z0, x1, z1), 0));
                 let mut half =
                     std::mem::replace(memory, Plane::constant(SampleRect::EMPTY, 0.0)).reused(between, 1);
                 for z in between.z0..between.z1 {
                     let Some(row) = half.row_mut(z) else { continue };
                     work_out_row(row, [between.x0, z], before, sources, &[], buffers);
                 }
-                let source = [Source { plane: &half, mirrored_in: None }];
+                let source = [Source { plane: &half, mirrors }];
                 for (z, row) in (z0..).zip(band.chunks_mut(width)) {
                     let Some(row) = row.get_mut(columns.clone()) else { continue };
                     work_out_row(row, [x0, z], step, &source, &[], buffers);
@@ -322,7 +322,8 @@ fn expand_row<'b>(row: &'b mut Vec<f32>, coarser: &Source<'_>, [x, z]: [i32; 2],
     // From the coarse sample on, which is quicker than from between two of them.
     let (coarse, phase) = (x.div_euclid(2), x.rem_euclid(2) as usize);
     row.resize(phase + length, 0.0);
-    let source = coarser.part(z, coarse - 1, (phase + length).div_ceil(2) + 3);
+    let mut buffer = Vec::new();
+    let source = coarser.columns(z, coarse - 1, (phase + length).div_ceil(2) + 3, &mut buffer);
     interpolate::row_along_x(row, source, &PYRAMID_PHASES, 0);
     row.get(phase..).unwrap_or_default()
 }
@@ -330,7 +331,7 @@ fn expand_row<'b>(row: &'b mut Vec<f32>, coarser: &Source<'_>, [x, z]: [i32; 2],
 #[cfg(test)]
 mod tests {
     use super::*;
-    use orogeny_field::{gaussian_weights, hash};
+    use orogeny_field::{gaussian_weights, hash, mirrored};
 
     /// More columns than a piece has, more rows too, and borders that lie in neither's middle.
     const WIDTH: u32 = 2 * PIECE_COLUMNS as u32 + 77;
@@ -369,13 +370,13 @@ mod tests {
                     *height = from[mirrored(x, WIDTH) as usize];
                 }
             }
-            let sources = [Source { plane: &source, mirrored_in: None }];
+            let sources = [Source { plane: &source, mirrors: Mirrors::NONE }];
             let sentinel = |rect| Plane::constant(rect, f32::NAN);
             let (mut half, mut whole, mut in_pieces) =
                 (sentinel(between), sentinel(target), sentinel(target));
             fill(&mut half, &first, &sources, extent);
-            fill(&mut whole, &second, &[Source { plane: &half, mirrored_in: None }], extent);
-            fill_through(&mut in_pieces, &second, &first, &sources);
+            fill(&mut whole, &second, &[Source { plane: &half, mirrors: Mirrors::NONE }], extent);
+            fill_through(&mut in_pieces, &second, &first, Mirrors::NONE, &sources);
             let bits =
                 |plane: &Plane| plane.samples().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
             assert!(bits(&whole) == bits(&in_pieces), "{first:?}");

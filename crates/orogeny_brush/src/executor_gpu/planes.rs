@@ -1,6 +1,6 @@
 //! Graphs worked out on the GPU: each plane a buffer, one dispatch a step.
 
-use orogeny_field::SampleRect;
+use orogeny_field::{Mirrors, SampleRect};
 use orogeny_gpu::Gpu;
 
 use crate::filter::kernels::{InputUniform, PlaneUniform, StepUniform};
@@ -101,32 +101,32 @@ impl GpuPlanes {
         let plane = self.plane(gpu, rect, node.map_or(1, |node| node.step.num_channels()))?;
         let Some(node) = node.filter(|_| !rect.is_empty()) else { return Ok(plane) };
         let inputs: Vec<_> = (node.inputs.iter())
-            .filter_map(|input| Some((made.get(*input)?.as_ref()?, graph.given_extent(*input))))
+            .filter_map(|input| Some((made.get(*input)?.as_ref()?, graph.mirrors(*input))))
             .collect();
         // A step that is made of nothing has something bound there all the same, which it does not read.
         let nothing = if inputs.is_empty() { Some(self.plane(gpu, SampleRect::EMPTY, 1)?) } else { None };
-        let first = inputs.first().copied().or_else(|| Some((nothing.as_ref()?, None)));
+        let first = inputs.first().copied().or_else(|| Some((nothing.as_ref()?, Mirrors::NONE)));
         if let (Some(stem), Some(first)) = (node.step.stem(), first) {
             let input = |number: usize| inputs.get(number).copied().unwrap_or(first);
             let bound: [_; MAX_INPUTS] = std::array::from_fn(input);
             let uniform = StepUniform {
                 result: plane.uniform(),
-                inputs: bound.map(|(plane, extent)| InputUniform {
+                inputs: bound.map(|(plane, mirrors)| InputUniform {
                     plane: plane.uniform(),
-                    extent: extent.unwrap_or_default(),
+                    periods: mirrors.periods.map(Option::unwrap_or_default),
                     padding: [0; 2],
                 }),
                 size: [rect.width(), rect.depth()],
                 extent: graph.extent(),
             };
             let [first, second, third, fourth] = bound.map(|(plane, _)| &plane.buffer);
-            let is_mirrored =
-                |(number, (_, extent)): (usize, &(_, Option<_>))| u32::from(extent.is_some()) << number;
-            let mirrored = bound.iter().enumerate().map(is_mirrored).sum();
+            // Along x and z of the first, along x and z of the second …
+            let axes = bound.iter().flat_map(|(_, mirrors)| mirrors.periods);
+            let mirrored = axes.enumerate().map(|(axis, period)| u32::from(period.is_some()) << axis).sum();
             let mut own = node.step.data(&rect, inputs.len());
             let [along_x, along_z] = node.step.at_once();
             own.constants.extend([
-                ("MIRRORED_INPUTS", mirrored),
+                ("MIRRORED_AXES", mirrored),
                 ("AT_ONCE_ALONG_X", along_x),
                 ("AT_ONCE_ALONG_Z", along_z),
             ]);

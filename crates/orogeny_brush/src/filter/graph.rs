@@ -4,10 +4,11 @@
 //! rectangle that is asked for. No rectangle occurs in the rule by which a value is made of those below it; so it has the
 //! same bits, whichever rectangle it is worked out with.
 //!
-//! Only what is given is mirrored at the terrain's border. All other planes go on beyond it, made of what is mirrored, as
-//! though the terrain had no end: so each level of a pyramid is that of the mirrored terrain, whatever its size.
+//! What is given is mirrored at the terrain's border. All other planes go on beyond it, made of what is mirrored, as though the
+//! terrain had no end: so each level of a pyramid is that of the mirrored terrain, whatever its size. What a symmetric filter makes
+//! is mirrored too, to the bit, and made only once ([`Step::mirrors`]).
 
-use orogeny_field::{SampleRect, mirrored};
+use orogeny_field::{Mirrors, SampleRect};
 
 use super::Step;
 
@@ -21,6 +22,7 @@ pub struct Node {
     /// The last place that is made of it; its own, where none is.
     last_reader: usize,
     num_readers: usize,
+    mirrors: Mirrors,
 }
 
 /// Planes, each after those that it is made of; the last is the result.
@@ -44,6 +46,7 @@ impl Graph {
                 inputs: Vec::new(),
                 last_reader: Self::HEIGHTS,
                 num_readers: 0,
+                mirrors: Mirrors::of_extent(extent),
             }],
         }
     }
@@ -58,7 +61,9 @@ impl Graph {
                 input.num_readers += 1;
             }
         }
-        self.nodes.push(Node { step, inputs: inputs.to_vec(), last_reader: place, num_readers: 0 });
+        let first = inputs.first().map_or(Mirrors::NONE, |input| self.mirrors(*input));
+        let mirrors = step.mirrors(self.extent, first);
+        self.nodes.push(Node { step, inputs: inputs.to_vec(), last_reader: place, num_readers: 0, mirrors });
         place
     }
 
@@ -94,43 +99,48 @@ impl Graph {
         self.extent
     }
 
-    /// Samples along x and z of what a plane is a part of, if that is given and mirrored at its border.
+    /// Whether a plane is made of no other.
     #[must_use]
-    pub fn given_extent(&self, place: usize) -> Option<[u32; 2]> {
-        self.nodes.get(place)?.step.given_extent(self.extent)
+    pub fn is_given(&self, place: usize) -> bool {
+        self.nodes.get(place).is_some_and(|node| node.step.is_given())
     }
 
-    /// For each plane the rectangle that it must have for the last one to have `target`; one that is given stays within the
-    /// terrain.
+    /// Where what a plane is a part of is mirrored.
+    #[must_use]
+    pub fn mirrors(&self, place: usize) -> Mirrors {
+        self.nodes.get(place).map_or(Mirrors::NONE, |node| node.mirrors)
+    }
+
+    /// For each plane the rectangle that it must have for the last one to have `target`; of one that is mirrored only what is shown
+    /// by its mirrors.
     #[must_use]
     pub fn plan(&self, target: SampleRect) -> Vec<SampleRect> {
-        self.plan_on(self.extent, target)
+        let [width, depth] = self.extent;
+        self.plan_on(Some(SampleRect::new(0, 0, width.cast_signed(), depth.cast_signed())), target)
     }
 
-    /// The same on a terrain of another size.
-    fn plan_on(&self, [width, depth]: [u32; 2], target: SampleRect) -> Vec<SampleRect> {
-        let terrain = SampleRect::new(0, 0, width.cast_signed(), depth.cast_signed());
+    /// The same; without a terrain, as though none of its borders were near.
+    fn plan_on(&self, terrain: Option<SampleRect>, target: SampleRect) -> Vec<SampleRect> {
         let mut rects = vec![SampleRect::EMPTY; self.nodes.len()];
         if let Some(last) = rects.last_mut() {
             *last = target;
         }
         for (place, node) in self.nodes.iter().enumerate().rev() {
-            let Some(rect) = rects.get(place).copied().filter(|rect| !rect.is_empty()) else { continue };
+            let Some(known) = rects.get_mut(place).filter(|rect| !rect.is_empty()) else { continue };
+            // All that read it come after it.
+            if terrain.is_some() {
+                *known = node.mirrors.shown(known);
+            }
+            let rect = *known;
             for (number, input) in node.inputs.iter().enumerate() {
                 let needed = node.step.source_rect(&rect, number);
-                let needed = if node.step.is_closed() { needed.intersection(&terrain) } else { needed };
+                let needed = match &terrain {
+                    Some(terrain) if node.step.is_closed() => needed.intersection(terrain),
+                    _ => needed,
+                };
                 if let Some(known) = rects.get_mut(*input) {
                     *known = known.bounds_with(&needed);
                 }
-            }
-        }
-        for (node, rect) in self.nodes.iter().zip(&mut rects) {
-            if let Some([width, depth]) = node.step.given_extent([width, depth])
-                && !rect.is_empty()
-            {
-                let (x0, x1) = mirrored_range(rect.x0, rect.x1, width);
-                let (z0, z1) = mirrored_range(rect.z0, rect.z1, depth);
-                *rect = SampleRect::new(x0, z0, x1, z1);
             }
         }
         rects
@@ -146,48 +156,12 @@ impl Graph {
     /// How many samples beyond its result the heights are read, at most.
     #[must_use]
     pub fn halo(&self) -> u32 {
-        // Far from a border, about a sample of the coarsest grid.
-        let (far, extent) = (1 << 28, [1 << 29; 2]);
-        let rects = self.plan_on(extent, SampleRect::new(far - 1, far - 1, far + 1, far + 1));
+        // Far from the first sample, about one of the coarsest grid.
+        let far = 1 << 28;
+        let rects = self.plan_on(None, SampleRect::new(far - 1, far - 1, far + 1, far + 1));
         let reach = |rect: &SampleRect| [far - rect.x0, rect.x1 - far, far - rect.z0, rect.z1 - far];
         // Where the heights are not read at all there is none.
         let heights = rects.first().filter(|rect| !rect.is_empty());
         heights.and_then(|rect| reach(rect).into_iter().max()).unwrap_or_default().unsigned_abs()
-    }
-}
-
-/// The samples of a grid that `first..end` are once it is mirrored at its ends: first and one past the last.
-fn mirrored_range(first: i32, end: i32, num_samples: u32) -> (i32, i32) {
-    let last = num_samples.saturating_sub(1).cast_signed();
-    if last == 0 {
-        return (0, 1);
-    }
-    // A piece between two mirrors keeps its order, so its ends are ends; a mirror within the range is an end too.
-    let (a, b) = (mirrored(first, num_samples), mirrored(end - 1, num_samples));
-    let mut bounds = (a.min(b), a.max(b));
-    let fold = first.div_euclid(last);
-    for fold in [fold + 1, fold + 2] {
-        if fold.saturating_mul(last) < end {
-            let place = mirrored(fold * last, num_samples);
-            bounds = (bounds.0.min(place), bounds.1.max(place));
-        }
-    }
-    (bounds.0, bounds.1 + 1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn a_mirrored_range_holds_what_its_samples_are_and_no_more(
-            num_samples in 1_u32..40, first in -100_i32..100, length in 1_i32..120,
-        ) {
-            let places: Vec<_> = (first..first + length).map(|place| mirrored(place, num_samples)).collect();
-            let expected = (*places.iter().min().unwrap(), places.iter().max().unwrap() + 1);
-            prop_assert_eq!(mirrored_range(first, first + length, num_samples), expected);
-        }
     }
 }

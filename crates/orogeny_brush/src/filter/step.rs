@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use orogeny_field::{
-    FieldId, GrabKernel, PYRAMID_PHASES, Part, PhaseWeights, PipesKernel, Placement, Plane, SampleRect,
-    ThermalKernel,
+    FieldId, GrabKernel, Mirrors, PYRAMID_PHASES, Part, PhaseWeights, PipesKernel, Placement, Plane,
+    SampleRect, ThermalKernel,
 };
 
 use super::{RegionKernel, Weights};
@@ -163,15 +163,44 @@ impl Step {
         matches!(self, Self::Thermal { .. } | Self::Pipes { .. })
     }
 
-    /// Whether it is made of no other plane, and samples along x and z of what it is a part of, which is mirrored at its border.
+    /// Whether it is made of no other plane.
     #[must_use]
-    pub fn given_extent(&self, terrain: [u32; 2]) -> Option<[u32; 2]> {
+    pub const fn is_given(&self) -> bool {
+        matches!(
+            self,
+            Self::Heights
+                | Self::Field(_)
+                | Self::Raster(_)
+                | Self::Region(_)
+                | Self::Gate(_)
+                | Self::Weights(_)
+        )
+    }
+
+    /// Where its plane is mirrored, on a terrain of so many samples along x and z: at the border of what it is a part of, where it is
+    /// given; where its first input is, for a filter that sums what lies on both sides alike.
+    #[must_use]
+    pub fn mirrors(&self, terrain: [u32; 2], first: Mirrors) -> Mirrors {
         match self {
-            Self::Heights | Self::Field(_) | Self::Region(_) | Self::Gate(_) | Self::Weights(_) => {
-                Some(terrain)
+            Self::Raster(plane) => Mirrors::of_extent([plane.rect().width(), plane.rect().depth()]),
+            _ if self.is_given() => Mirrors::of_extent(terrain),
+            // Along the other axis each row or column is made of its own alone.
+            Self::Convolve { axis, .. } | Self::Interpolate { axis, .. } => {
+                let [x, z] = first.periods;
+                let along = |period: Option<u32>| match self {
+                    Self::Convolve { stride, .. } => {
+                        period.filter(|period| period.is_multiple_of(*stride))?.checked_div(*stride)
+                    }
+                    // What lies between two samples has other bits when it is made from behind.
+                    _ => None,
+                };
+                let periods = match axis {
+                    Axis::X => [along(x), z],
+                    Axis::Z => [x, along(z)],
+                };
+                Mirrors { periods }
             }
-            Self::Raster(plane) => Some([plane.rect().width(), plane.rect().depth()]),
-            _ => None,
+            _ => Mirrors::NONE,
         }
     }
 

@@ -3,7 +3,7 @@
 //! The mean is taken over every so many samples both ways, as many as it takes to be near: so it costs much the same for any
 //! radius, and no back end's rounding comes into it.
 
-use orogeny_field::{Page, PageKey, SampleRect};
+use orogeny_field::{Mirrors, Page, PageKey, SampleRect};
 use orogeny_pages::{HeightProbe, PageStore};
 use orogeny_reference::amounts;
 use orogeny_reference::field::between::Ground;
@@ -120,7 +120,7 @@ impl<'a> Source<'a> {
         let raw = match (&mut self.heights, self.laid.ground) {
             (Some(probe), _) => probe.height_m(store, [x, z])?,
             (None, CloneGround::Raster { heights, .. }) => {
-                let ground = Ground { plane: heights, mirrored_in: Some(self.extent) };
+                let ground = Ground { plane: heights, mirrors: Mirrors::of_extent(self.extent) };
                 ground.between([x as i32, z as i32], [x.fract() as f32, z.fract() as f32])
             }
             (None, CloneGround::Field(_)) => 0.0,

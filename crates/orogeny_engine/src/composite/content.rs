@@ -1,6 +1,6 @@
 //! Stored fields as they lie on the terrain: read, and moved, turned and enlarged where a layer's are.
 
-use orogeny_field::{FieldId, Page, PageKey, PageLayout, Place, Plane, SampleRect};
+use orogeny_field::{FieldId, Mirrors, Page, PageKey, PageLayout, Place, Plane, SampleRect};
 use orogeny_reference::field::between::Ground;
 use orogeny_reference::field::resample;
 use rayon::prelude::*;
@@ -48,7 +48,7 @@ fn moved(look: &mut Look<'_>, stored: &Stored, rect: SampleRect) -> Result<Plane
     let placement = placement.on_level(u32::from(coarser));
     let source =
         read(look, field, constant, look.level + coarser, placement.source_rect(&rect).grown(AROUND))?;
-    let ground = Ground { plane: &source, mirrored_in: None };
+    let ground = Ground { plane: &source, mirrors: Mirrors::NONE };
     let columns: Vec<Place> = (rect.x0..rect.x1).map(|x| placement.column(x)).collect();
     let mut plane = Plane::constant(rect, 0.0);
     let rows = plane.samples_mut().par_chunks_mut(columns.len().max(1));

@@ -1,15 +1,15 @@
 //! Values between the samples of a plane: the Catmull-Rom spline along x and then along z (Catmull & Rom 1974; Keys 1981 with
 //! a = −½), held to the least and the greatest of the 4 × 4 samples that it is made of, so that a cliff is followed by no trench.
 
-use orogeny_field::{Plane, mirrored};
+use orogeny_field::{Mirrors, Plane};
 
-/// A plane, and samples of the ground that it is a part of, where that is mirrored at its border.
+/// A plane, and how the ground that it is a part of goes on beyond its border.
 #[derive(Debug, Clone, Copy)]
 pub struct Ground<'a> {
     /// The plane.
     pub plane: &'a Plane,
-    /// Samples of the ground along x and z; `None`: nobody asks for what the plane does not have.
-    pub mirrored_in: Option<[u32; 2]>,
+    /// Where the ground is mirrored.
+    pub mirrors: Mirrors,
 }
 
 impl Ground<'_> {
@@ -45,11 +45,7 @@ impl Ground<'_> {
     /// A sample.
     #[inline]
     fn at(&self, x: i32, z: i32) -> f32 {
-        let [x, z] = match self.mirrored_in {
-            Some([width, depth]) => [mirrored(x, width), mirrored(z, depth)],
-            None => [x, z],
-        };
-        let sample = self.plane.at(x, z);
+        let sample = self.plane.at(self.mirrors.column(x), self.mirrors.row(z));
         debug_assert!(sample.is_some(), "{x}, {z} of {:?}", self.plane.rect());
         sample.unwrap_or_default()
     }
@@ -83,7 +79,7 @@ mod tests {
     #[test]
     fn a_plane_is_met_between_its_samples_and_a_sample_keeps_its_bits() {
         let slope = plane(|x, z| 3.0 * x as f32 - 2.0 * z as f32 + 0.1);
-        let ground = Ground { plane: &slope, mirrored_in: Some([12, 9]) };
+        let ground = Ground { plane: &slope, mirrors: Mirrors::of_extent([12, 9]) };
         for (x, z, share_x, share_z) in [(1, 1, 0.3, 0.0), (4, 5, 0.5, 0.75), (9, 6, 0.99, 0.01)] {
             let expected = 3.0 * (x as f32 + share_x) - 2.0 * (z as f32 + share_z) + 0.1;
             let found = ground.between([x, z], [share_x, share_z]);
@@ -98,7 +94,7 @@ mod tests {
     #[test]
     fn a_cliff_is_followed_by_no_trench() {
         let cliff = plane(|x, _| if x < 6 { 100.0 } else { 7.0 });
-        let ground = Ground { plane: &cliff, mirrored_in: None };
+        let ground = Ground { plane: &cliff, mirrors: Mirrors::NONE };
         for tenth in 0..40 {
             let place = 4.0 + tenth as f32 * 0.1;
             let found = ground.between([place.floor() as i32, 4], [place.fract(), 0.25]);

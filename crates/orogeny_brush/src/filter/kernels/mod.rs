@@ -40,8 +40,8 @@ pub struct StepUniform {
 pub struct InputUniform {
     /// Where it lies.
     pub plane: PlaneUniform,
-    /// Samples of the ground that it is a part of, where that is mirrored at its border; else 0.
-    pub extent: [u32; 2],
+    /// After how many samples along x and z what it is a part of is there again, where that is mirrored; else 0.
+    pub periods: [u32; 2],
     /// Nothing.
     pub padding: [u32; 2],
 }
