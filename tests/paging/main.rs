@@ -8,6 +8,7 @@ mod device_loss;
 mod extremes;
 mod failing_store;
 mod hang;
+mod levels;
 mod loads;
 #[cfg(target_os = "linux")]
 mod out_of_memory;

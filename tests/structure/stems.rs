@@ -37,7 +37,11 @@ const PLACES: [Place; 4] = [
 
 /// The same of the steps that filters are made of.
 const STEP_PLACES: [Place; 3] = [
-    Place { folder: "shaders/field", extension: "wgsl", exceptions: &[] },
+    Place {
+        folder: "shaders/field",
+        extension: "wgsl",
+        exceptions: &[("bounds", "finds the lowest and the highest height, whose twin every crate uses")],
+    },
     Place {
         folder: "crates/orogeny_reference/src/field",
         extension: "rs",
@@ -45,7 +49,6 @@ const STEP_PLACES: [Place; 3] = [
             MODULE,
             ("between", "values between samples, for those that look there"),
             ("compose", "joins layers, on the CPU"),
-            ("coarsen", "makes coarser levels, on the CPU"),
             ("fill_pits", "works on a whole region at once, on the CPU"),
             ("flow", "works on a whole region at once, on the CPU"),
             ("around", "the neighbours of a sample, for the two above"),

@@ -1,6 +1,7 @@
 //! What carries out batches.
 
-use orogeny_field::{FieldId, PageKey, Plane, SampleRect};
+use orogeny_field::{FieldId, HeightBounds, PageKey, Plane, SampleRect, TerrainGrid};
+use orogeny_gpu::{DevicePlane, Gpu};
 use orogeny_pages::PageStore;
 
 use crate::Result;
@@ -20,6 +21,15 @@ pub struct PageMemory {
     pub host_in_bytes: u64,
     /// Bytes of textures.
     pub textures_in_bytes: u64,
+}
+
+/// A field on some of its levels, as it is now.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Levels {
+    /// From full resolution on; `None` for a level that was not asked for.
+    pub planes: Vec<Option<DevicePlane>>,
+    /// What all of their heights lie within.
+    pub bounds: HeightBounds,
 }
 
 /// Is told which share of something, 0..1, is done, and says whether to go on.
@@ -93,6 +103,27 @@ pub trait Executor: Send {
 
     /// Forgets pages that were changed elsewhere.
     fn forget(&mut self, keys: &[PageKey]);
+
+    /// The device that pages are resident on, if they are on one.
+    fn device(&self) -> Option<&Gpu> {
+        None
+    }
+
+    /// What a field has come to, level by level from full resolution on: of each level all of the rectangle that is `wanted` of it, in its
+    /// samples. The heights stay on the device. `None` where they do not lie on one, where hardly any of them do, or where that is too much at once.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    fn levels(
+        &mut self,
+        field: FieldId,
+        grid: &TerrainGrid,
+        wanted: &[SampleRect],
+        store: &mut dyn PageStore,
+    ) -> Result<Option<Levels>> {
+        _ = (field, grid, wanted, store);
+        Ok(None)
+    }
 
     /// What its pages take now.
     fn memory(&self) -> PageMemory;

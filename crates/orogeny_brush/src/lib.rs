@@ -33,7 +33,7 @@ mod tiles;
 pub use canvas::{Canvas, Resources};
 pub use curve::CurveSegment;
 pub use error::{Error, Result};
-pub use execute::{Executor, Notices, PageMemory, Watch};
+pub use execute::{Executor, Levels, Notices, PageMemory, Watch};
 pub use executor_cpu::CpuExecutor;
 pub use executor_gpu::{BrushUniform, GpuBudget, GpuExecutor};
 pub use filter::CloneGround;

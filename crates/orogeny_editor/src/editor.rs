@@ -178,7 +178,7 @@ impl Editor {
             return self.tell(text, true);
         }
         self.end_comparing();
-        match Session::open(path, self.options.settings.clone(), move || wake()) {
+        match Session::open(path, self.options.settings.sharing(&self.gpu), move || wake()) {
             Ok(session) => self.opening = Some(Opening { path: path.to_owned(), session }),
             Err(err) => self.tell(format!("`{}` cannot be opened: {err}", path.display()), true),
         }

@@ -27,6 +27,8 @@ pub enum Adapter {
     Software,
     /// The first adapter whose name contains this.
     Named(String),
+    /// The device that the terrain is drawn on: see [`Settings::sharing`].
+    Of(Gpu),
 }
 
 impl Adapter {
@@ -38,6 +40,14 @@ impl Adapter {
             "cpu" => Self::Cpu,
             "software" => Self::Software,
             name => Self::Named(name.to_owned()),
+        }
+    }
+
+    /// The device that is drawn on, where that is it.
+    pub(crate) const fn shared(&self) -> Option<&Gpu> {
+        match self {
+            Self::Of(gpu) => Some(gpu),
+            _ => None,
         }
     }
 }
@@ -53,6 +63,21 @@ pub struct Settings {
     pub num_threads: Option<usize>,
     /// Who does the work, for the history.
     pub author: String,
+}
+
+impl Settings {
+    /// The same for a terrain that is drawn on this device: where brushes would work on one like it, they work on it, and what they make
+    /// is drawn from where it lies.
+    #[must_use]
+    pub fn sharing(&self, gpu: &Gpu) -> Self {
+        let is_shared = match &self.adapter {
+            Adapter::Cpu => false,
+            Adapter::Auto => !gpu.description().is_software,
+            Adapter::Software | Adapter::Named(_) | Adapter::Of(_) => true,
+        };
+        let adapter = if is_shared { Adapter::Of(gpu.clone()) } else { self.adapter.clone() };
+        Self { adapter, ..self.clone() }
+    }
 }
 
 impl Default for Settings {
@@ -93,14 +118,20 @@ fn executor_within(
     let cpu = || -> Result<Box<dyn Executor>> {
         Ok(Box::new(CpuExecutor::new(layout, budget_in_bytes, settings.num_threads)?))
     };
-    let gpu = |choice: AdapterChoice| -> Result<Box<dyn Executor>> {
+    let on = |gpu: Gpu| -> Result<Box<dyn Executor>> {
         let budget = GpuBudget { budget_in_bytes, layers_per_array: LAYERS_PER_ARRAY };
-        Ok(Box::new(GpuExecutor::new(Gpu::open(&choice)?, layout, budget)?))
+        Ok(Box::new(GpuExecutor::new(gpu, layout, budget)?))
     };
+    let gpu = |choice: AdapterChoice| on(Gpu::open(&choice)?);
     match &settings.adapter {
         Adapter::Cpu => cpu(),
         Adapter::Software => gpu(AdapterChoice::Software),
         Adapter::Named(name) => gpu(AdapterChoice::Named(name.clone())),
+        // A lost one does not come back, and another is drawn on then; it is enough to work on one like it.
+        Adapter::Of(shared) if shared.is_lost() => {
+            gpu(AdapterChoice::Named(shared.description().name.clone()))
+        }
+        Adapter::Of(shared) => on(shared.clone()),
         Adapter::Auto => gpu(AdapterChoice::RealGpu).or_else(|err| {
             tracing::info!("the CPU back end is used: {err}");
             cpu()

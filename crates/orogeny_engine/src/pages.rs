@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use orogeny_field::{FieldId, Page, PageKey, PageLayout};
 use orogeny_pages::{BoxError, PageStore};
-use orogeny_store::Recording;
+use orogeny_store::{Recording, Store};
 
 use crate::seen::{SEEN, Seen};
 
@@ -75,5 +75,31 @@ impl PageStore for RecordedPages<'_, '_> {
         }
         self.saved.extend(pages.iter().map(|(key, _)| *key));
         Ok(self.recording.write_pages(pages)?)
+    }
+}
+
+/// Pages of what is on disk, to be looked at.
+pub(crate) struct SettledPages<'a>(pub(crate) &'a Store);
+
+impl PageStore for SettledPages<'_> {
+    fn layout(&self) -> PageLayout {
+        self.0.layout()
+    }
+
+    fn constant(&self, field: FieldId) -> f32 {
+        self.0.fields().get(&field).map_or(0.0, |field| field.constant)
+    }
+
+    fn load(&mut self, key: &PageKey) -> Result<Option<Page>, BoxError> {
+        Ok(self.0.load_page(key)?.map(Arc::unwrap_or_clone))
+    }
+
+    fn load_before(&mut self, key: &PageKey) -> Result<Option<Page>, BoxError> {
+        self.load(key)
+    }
+
+    fn save(&mut self, pages: Vec<(PageKey, Page)>) -> Result<(), BoxError> {
+        // No operation is under way that could have changed any.
+        Err(format!("{} pages were changed that were only looked at", pages.len()).into())
     }
 }

@@ -4,13 +4,14 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use orogeny_brush::{Executor, PageMemory};
+use orogeny_brush::{Executor, Levels, PageMemory};
 use orogeny_field::{FieldId, PageKey, PageLayout, SampleRect, TerrainGrid};
 use orogeny_store::{CheckReport, EntryId, Layer, NewLayer, NewTerrain, Recorder, Repaired, Salvaged, Store};
 
 use crate::access::{Access, band_bytes, open_to_write, up_to_date};
 use crate::backend::{self, Settings};
 use crate::composite::{Change, Composite, Compositor, Node, Source, StorePages};
+use crate::pages::SettledPages;
 use crate::{Error, LayerReference, Result};
 
 /// The name of the layer that a new terrain has.
@@ -308,6 +309,18 @@ impl Terrain {
             none => none.insert(backend::executor(&self.settings, recorder.on_disk()?.layout())?),
         };
         Ok(Parts { recorder, executor: executor.as_mut(), compositor: self.compositor.get_mut() })
+    }
+
+    /// What brushes work with, if they have worked.
+    pub(crate) fn executor(&self) -> Option<&dyn Executor> {
+        self.executor.as_deref()
+    }
+
+    /// As [`Executor::levels`], of what is on disk.
+    pub(crate) fn levels(&mut self, field: FieldId, wanted: &[SampleRect]) -> Result<Option<Levels>> {
+        let Some(executor) = &mut self.executor else { return Ok(None) };
+        let store = self.access.settled()?;
+        Ok(executor.levels(field, &store.grid(), wanted, &mut SettledPages(store))?)
     }
 
     #[cfg(test)]

@@ -28,6 +28,16 @@ struct Troubles {
     errors: Vec<String>,
 }
 
+/// Whether it is the same device.
+impl PartialEq for Gpu {
+    fn eq(&self, other: &Self) -> bool {
+        // Devices of two instances may have the same number.
+        Arc::ptr_eq(&self.troubles, &other.troubles)
+    }
+}
+
+impl Eq for Gpu {}
+
 impl Gpu {
     /// Opens a device with WebGPU's default limits and no optional features.
     ///
@@ -123,6 +133,12 @@ impl Gpu {
             return Ok(());
         }
         Err(Error::Validation { messages: std::mem::take(&mut troubles.errors).join("; ") })
+    }
+
+    /// Whether it is gone, for good.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        lock(&self.troubles).lost.is_some()
     }
 
     /// Waits until all submitted work is done, then [`check`](Self::check)s.

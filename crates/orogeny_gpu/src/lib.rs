@@ -7,6 +7,7 @@
 //! - [`Gpu::kernel`]: compute pipelines by stem and constants, built once for a device. Bind group layouts come from the shader's reflection.
 //! - [`Gpu::drawing`]: render pipelines, laid out the same way from both of their stages.
 //! - [`ReadbackBelt`]: texture layers on their way back to memory.
+//! - [`DevicePlane`]: samples that one who works on the device leaves there for another.
 //!
 //! Limits: only WebGPU's default limits and no optional features are asked for.
 
@@ -15,6 +16,7 @@ mod context;
 mod drawing;
 mod error;
 mod kernel;
+mod plane;
 mod readback;
 
 pub use adapter::{AdapterChoice, AdapterDescription, list_adapters, new_instance};
@@ -22,4 +24,5 @@ pub use context::Gpu;
 pub use drawing::{Drawing, DrawingRequest};
 pub use error::{Error, Result};
 pub use kernel::Kernel;
+pub use plane::DevicePlane;
 pub use readback::{ReadBack, ReadbackBelt};

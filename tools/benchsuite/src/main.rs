@@ -33,6 +33,7 @@ mod session;
 mod smooth;
 mod stores;
 mod terrain;
+mod window;
 
 use anyhow::{Context as _, bail};
 

@@ -2,6 +2,9 @@
 //!
 //! The terrain is the bundled one. A frame is measured from the call until its
 //! pixels are in memory; on a software driver nearly all of it is the shading of pixels.
+//!
+//! Frames that show the dabs of a stroke, beside those that show nothing new, and the bytes that go from memory to the device for a stroke: where
+//! brushes work on the CPU, and where they work on the device that draws.
 
 use anyhow::Result;
 use orogeny_engine::{Flight, HeightAt, Metric, Mode, Place, Quiet, Settings, Terrain, View, ViewRequest};
@@ -10,6 +13,7 @@ use crate::bundled;
 use crate::measure::Times;
 use crate::report::{Figure, Report};
 use crate::stores::scratch_folder;
+use crate::window::{Dabs, Window, WorksOn};
 
 const SIZE_PX: [u32; 2] = [640, 360];
 /// Frames of the flight.
@@ -23,7 +27,43 @@ pub fn run(report: &mut Report, repeat: usize) -> Result<()> {
     let mut view = terrain.view(SIZE_PX)?;
     report.note(format!("pictures of {} x {} pixels on {}", SIZE_PX[0], SIZE_PX[1], view.adapter()));
     counts(report, &terrain, &mut view)?;
-    frames(report, &mut view, repeat)
+    frames(report, &mut view, repeat)?;
+    for (name, works_on) in
+        [("brushes on the CPU", WorksOn::Cpu), ("brushes on the device that draws", WorksOn::DrawingDevice)]
+    {
+        let mut window = Window::new(&folder.path().join(format!("{works_on:?}.orogeny")), works_on)?;
+        brushing(report, &mut window, name, repeat)?;
+        window.session.close()?;
+    }
+    Ok(())
+}
+
+/// Frames with nothing new, and frames that show what was painted since the last one.
+fn brushing(report: &mut Report, window: &mut Window, name: &str, repeat: usize) -> Result<()> {
+    for radius in [64.0, 256.0, 1024.0] {
+        let (mut idle, mut dabs, mut ratios) = (Times::default(), Dabs::default(), Vec::new());
+        let mut uploaded = Vec::new();
+        for number in 0..repeat.max(1) {
+            let (mut idle_now, mut dabs_now) = (Times::default(), Dabs::default());
+            for _ in 0..8 {
+                idle_now.measure(|| window.frame())?;
+            }
+            let before = window.view.uploaded_bytes();
+            window.draw_stroke(radius, number, &mut dabs_now)?;
+            uploaded.push((window.view.uploaded_bytes() - before) as f64);
+            idle.add(idle_now.median_s());
+            dabs.drawn.add(dabs_now.drawn.median_s());
+            dabs.painted.add(dabs_now.painted.median_s());
+            ratios.push(dabs_now.drawn.median_s() / idle_now.median_s());
+        }
+        let name = |what: &str| format!("{what}, radius {radius}, {name}");
+        report.add(Figure::time(name("a live frame, idle"), &idle));
+        report.add(Figure::time(name("a live frame with a dab"), &dabs.drawn));
+        report.add(Figure::ratio(name("the same by idle"), ratios));
+        report.add(Figure::time(name("the dab itself"), &dabs.painted));
+        report.add(Figure::sizes(name("uploaded for a stroke"), uploaded));
+    }
+    Ok(())
 }
 
 fn near() -> ViewRequest {

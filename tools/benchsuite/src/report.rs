@@ -81,6 +81,11 @@ impl Figure {
         Self::of_spread(name, Unit::Bytes, Spread::of(vec![bytes]))
     }
 
+    /// A size, measured several times.
+    pub fn sizes(name: String, bytes: Vec<f64>) -> Self {
+        Self::of_spread(name, Unit::Bytes, Spread::of(bytes))
+    }
+
     /// A proportion, measured several times or once.
     pub fn ratio(name: String, values: Vec<f64>) -> Self {
         Self::of_spread(name, Unit::Ratio, Spread::of(values))

@@ -105,9 +105,14 @@ impl GpuExecutor {
         }
     }
 
+    /// The pages of a field that a rectangle is cut into.
+    pub(super) fn keys_in(&self, field: FieldId, rect: SampleRect) -> impl Iterator<Item = PageKey> + use<> {
+        self.layout.pages_in(rect).map(move |(x, z)| PageKey::full_resolution(field, x, z))
+    }
+
     /// Records a plane of the ground, as it is now or as it was before the operation: copies from textures where pages are
     /// resident in that state, else from memory.
-    fn ground(
+    pub(super) fn ground(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         rect: SampleRect,
@@ -116,8 +121,7 @@ impl GpuExecutor {
         store: &mut dyn PageStore,
     ) -> Result<GpuPlane> {
         let plane = self.planes.plane(&self.gpu, rect, 1)?;
-        let keys: Vec<_> =
-            self.layout.pages_in(rect).map(|(x, z)| PageKey::full_resolution(field, x, z)).collect();
+        let keys: Vec<_> = self.keys_in(field, rect).collect();
         self.await_pages(&keys, store)?;
         let mut rows = Rows::default();
         for key in &keys {

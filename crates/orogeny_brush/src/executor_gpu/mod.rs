@@ -5,6 +5,7 @@
 //! that everything happens in the order in which it is written here.
 
 mod goals;
+mod levels;
 mod planes;
 mod resident;
 mod uniforms;
@@ -13,11 +14,11 @@ mod weights;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use orogeny_field::{Bitmap, FieldId, Page, PageKey, PageLayout, WeightMode};
+use orogeny_field::{Bitmap, FieldId, Page, PageKey, PageLayout, SampleRect, TerrainGrid, WeightMode};
 use orogeny_gpu::{Gpu, ReadBack, ReadbackBelt};
 use orogeny_pages::{AtlasLimits, PageStore, Slot};
 
-use crate::execute::{Executor, Notices, PageMemory, Watch};
+use crate::execute::{Executor, Levels, Notices, PageMemory, Watch};
 use crate::filter::region::Regions;
 use crate::kernels::{OwnData, Rule, noise};
 use crate::plan::{Batch, PageWork, Pass};
@@ -536,6 +537,20 @@ impl Executor for GpuExecutor {
         for key in keys {
             self.heights.forget(key);
         }
+    }
+
+    fn device(&self) -> Option<&Gpu> {
+        Some(&self.gpu)
+    }
+
+    fn levels(
+        &mut self,
+        field: FieldId,
+        grid: &TerrainGrid,
+        wanted: &[SampleRect],
+        store: &mut dyn PageStore,
+    ) -> Result<Option<Levels>> {
+        self.work_out_levels(field, grid, wanted, store)
     }
 
     fn memory(&self) -> PageMemory {

@@ -64,7 +64,9 @@ impl GpuPlanes {
             None => gpu.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("orogeny.brush.plane"),
                 size,
-                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                usage: wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::COPY_DST
+                    | wgpu::BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             })?,
         };
@@ -138,6 +140,47 @@ impl GpuPlanes {
             self.give_back(nothing);
         }
         Ok(plane)
+    }
+}
+
+/// A step of one plane that is no graph's: what its kernel is told beside the planes.
+pub(super) struct StepDispatch {
+    /// Samples of the ground along x and z that the plane which is read is a part of.
+    pub(super) extent: [u32; 2],
+    /// Samples along x and z that an invocation makes, or looks at.
+    pub(super) at_once: [u32; 2],
+}
+
+impl StepDispatch {
+    /// Records it: from a plane to another, or to a buffer of the kernel's own.
+    pub(super) fn record(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        stem: &'static str,
+        source: &GpuPlane,
+        result: &GpuPlane,
+        own: Option<&wgpu::Buffer>,
+    ) -> Result<()> {
+        let Self { extent, at_once: [along_x, along_z] } = *self;
+        let size = [result.rect.width(), result.rect.depth()];
+        let input = InputUniform { plane: source.uniform(), ..InputUniform::default() };
+        let uniform = StepUniform { result: result.uniform(), inputs: [input; MAX_INPUTS], size, extent };
+        let constants = [("MIRRORED_AXES", 0), ("AT_ONCE_ALONG_X", along_x), ("AT_ONCE_ALONG_Z", along_z)];
+        let kernel = gpu.kernel(stem, &constants)?;
+        let usage = wgpu::BufferUsages::UNIFORM;
+        let uniform = gpu.create_buffer_with("orogeny.brush.step", usage, bytemuck::bytes_of(&uniform))?;
+        // Nothing is written where the kernel has a buffer of its own for that.
+        let written = match own {
+            None => result.buffer.clone(),
+            Some(_) => gpu.create_buffer_with("orogeny.brush.nothing", wgpu::BufferUsages::STORAGE, &[])?,
+        };
+        let planes = [&source.buffer; MAX_INPUTS].into_iter().chain([&written]);
+        let buffers = std::iter::once(&uniform).chain(planes).chain(own);
+        let invocations = [size[0].div_ceil(along_x), size[1].div_ceil(along_z)];
+        let workgroups = invocations.map(|num| num.div_ceil(WORKGROUP_SIDE));
+        kernel.record(gpu, encoder, stem, buffers.map(wgpu::Buffer::as_entire_binding), workgroups);
+        Ok(())
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::sync::mpsc::Sender;
 
-use orogeny_field::{Page, SampleRect};
+use orogeny_field::{HeightBounds, Page, SampleRect};
 use orogeny_geomip::{PagePlace, PageSummary};
+use orogeny_gpu::DevicePlane;
 use orogeny_store::EntryId;
 
 use super::{Status, Survey};
@@ -72,8 +73,12 @@ pub struct PageData {
     pub place: PagePlace,
     /// What of it, in samples of its level, within the terrain.
     pub rect: SampleRect,
-    /// Heights of the composite over the rectangle, row by row.
+    /// Heights of the composite over the rectangle, row by row; none while a stroke is drawn, where they lie on the device.
     pub heights: Vec<f32>,
+    /// The same as they lie on the device that the terrain's settings [share](crate::Settings::sharing), where they do.
+    pub on_device: Option<DevicePlane>,
+    /// What heights without [`Self::heights`] lie within.
+    pub bounds: Option<HeightBounds>,
     /// Up to four masks over the whole page, 255 for 1, where any are shown.
     pub masks: Option<Vec<[u8; 4]>>,
     /// What these masks are where nothing was painted; `None` while a stroke is drawn.

@@ -10,7 +10,7 @@ use super::event::{Event, Out};
 use super::looker::Looker;
 use super::participant::By;
 use super::waiting::Waiting;
-use super::{PageData, Task, Ticket};
+use super::{PageData, PageRequest, Task, Ticket};
 use crate::composite::Change;
 use crate::hand::{Hand, SoFar};
 use crate::{Error, Result};
@@ -80,16 +80,7 @@ impl Hand for LiveHand<'_> {
             match task {
                 Task::Points { stroke, points: new } if stroke == self.ticket => points.extend(new),
                 Task::Lift { stroke } if stroke == self.ticket => self.is_lifted = true,
-                Task::Look(requests) => {
-                    let saved = so_far.executor.save(so_far.pages);
-                    // Every look is answered, and none ends the stroke.
-                    let pages = match &saved {
-                        Ok(()) => self.looker.pages_in(&self.grid, so_far.pages.recording(), &requests),
-                        Err(_) => Ok(Vec::new()),
-                    };
-                    self.out.tell(Event::Pages(or_none(pages)));
-                    saved?;
-                }
+                Task::Look(requests) => self.look(so_far, requests)?,
                 // The window is gone: what was drawn so far stays.
                 task @ Task::Close => {
                     self.is_lifted = true;
@@ -119,6 +110,28 @@ pub(super) fn or_none(pages: Result<Vec<PageData>>) -> Vec<PageData> {
 }
 
 impl LiveHand<'_> {
+    /// Every look is answered, and none ends the stroke, unless what it has painted is lost.
+    fn look(&mut self, so_far: &mut SoFar<'_, '_, '_>, requests: Vec<PageRequest>) -> Result<()> {
+        let (parts, whole): (Vec<_>, Vec<_>) = requests.iter().partition(|request| request.rect.is_some());
+        let looked = self.looker.parts_in(&self.grid, so_far, &parts).and_then(|found| {
+            let (mut pages, rest) = match found {
+                Some(pages) => (pages, whole),
+                None => (Vec::new(), requests),
+            };
+            if !rest.is_empty() {
+                so_far.executor.save(so_far.pages)?;
+                pages.extend(or_none(self.looker.pages_in(&self.grid, so_far.pages.recording(), &rest)));
+            }
+            Ok(pages)
+        });
+        let (pages, result) = match looked {
+            Ok(pages) => (pages, Ok(())),
+            Err(err) => (Vec::new(), Err(err)),
+        };
+        self.out.tell(Event::Pages(pages));
+        result
+    }
+
     fn tell_changed(&mut self, so_far: &mut SoFar<'_, '_, '_>) {
         let rect = std::mem::replace(&mut so_far.changed, SampleRect::EMPTY);
         if rect.is_empty() {

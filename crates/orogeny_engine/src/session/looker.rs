@@ -4,6 +4,7 @@ use std::cell::RefCell;
 
 use orogeny_field::{PageLayout, SampleRect, TerrainGrid};
 use orogeny_geomip::{PagePlace, PageSummaries as _, PageSummary};
+use orogeny_gpu::Gpu;
 use orogeny_store::{Layer, Recording, Store};
 
 use super::{Earlier, PageData, PageRequest};
@@ -13,7 +14,9 @@ use crate::{Result, Settings, Terrain};
 
 /// Works out what is looked at. Its own of everything, as what it keeps is of another moment than what brushes see.
 pub(super) struct Looker {
-    compositor: RefCell<Compositor>,
+    pub(super) compositor: RefCell<Compositor>,
+    /// The device that is drawn on, where brushes are to work on it too.
+    pub(super) drawn_on: Option<Gpu>,
     /// Names of the masks that come with pages.
     masks: Vec<String>,
     /// The terrain as it was, that comes with pages.
@@ -29,7 +32,8 @@ struct Past {
 
 impl Looker {
     pub(super) fn new(settings: &Settings) -> Self {
-        Self { compositor: RefCell::new(Compositor::new(settings)), masks: Vec::new(), past: None }
+        let compositor = RefCell::new(Compositor::new(settings));
+        Self { compositor, drawn_on: settings.adapter.shared().cloned(), masks: Vec::new(), past: None }
     }
 
     pub(super) fn show_masks(&mut self, names: Vec<String>) {
@@ -107,6 +111,8 @@ impl Looker {
                 place,
                 rect,
                 heights,
+                on_device: None,
+                bounds: None,
                 masks: source.masks_over(place),
                 unpainted_masks: Some(source.unpainted_masks()),
                 earlier: self.earlier(&grid, layout, place, rect)?,
@@ -152,6 +158,8 @@ impl Looker {
                 place: request.place,
                 rect,
                 heights,
+                on_device: None,
+                bounds: None,
                 masks: None,
                 unpainted_masks: None,
                 earlier: self.earlier(grid, layout, request.place, rect)?,
@@ -163,7 +171,7 @@ impl Looker {
 }
 
 /// What of a page is asked for, within the terrain.
-fn rect_of(grid: &TerrainGrid, layout: PageLayout, request: &PageRequest) -> SampleRect {
+pub(super) fn rect_of(grid: &TerrainGrid, layout: PageLayout, request: &PageRequest) -> SampleRect {
     let page = page_rect(layout, request.place).intersection(&grid.bounds_at(request.place.level));
     request.rect.map_or(page, |rect| rect.intersection(&page))
 }

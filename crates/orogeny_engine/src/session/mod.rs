@@ -14,6 +14,7 @@ mod cancelling;
 mod event;
 mod live_hand;
 mod looker;
+mod on_device;
 mod panicked;
 mod participant;
 mod serve;

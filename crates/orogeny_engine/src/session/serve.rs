@@ -130,7 +130,13 @@ impl Server {
         self.terrain.set_author(author.clone());
         let (ticket, result) = match task {
             Task::Look(requests) => match self.looker.pages(&self.terrain, &requests) {
-                Ok(pages) => return self.out.tell(Event::Pages(pages)),
+                Ok(mut pages) => {
+                    // What does not come from the device comes from memory.
+                    if let Err(err) = self.looker.add_parts(&mut self.terrain, &requests, &mut pages) {
+                        tracing::warn!("pages are handed over from memory: {err}");
+                    }
+                    return self.out.tell(Event::Pages(pages));
+                }
                 // Whoever waits for the pages hears that they do not come.
                 Err(err) => {
                     self.out.tell(Event::Pages(Vec::new()));

@@ -173,6 +173,7 @@ fn opened<T>(settings: &Settings, open: impl Fn(&AdapterChoice) -> orogeny_gpu::
         })?,
         Adapter::Software => open(&AdapterChoice::Software)?,
         Adapter::Named(name) => open(&AdapterChoice::Named(name.clone()))?,
+        Adapter::Of(gpu) => open(&AdapterChoice::Named(gpu.description().name.clone()))?,
     })
 }
 

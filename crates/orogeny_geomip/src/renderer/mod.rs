@@ -5,6 +5,7 @@
 
 mod materials;
 mod page_texture;
+mod pages;
 mod pipelines;
 mod scene;
 mod shadow_maps;
@@ -15,7 +16,7 @@ mod uniforms;
 use std::collections::HashMap;
 
 use half::f16;
-use orogeny_field::{Page, PageLayout, TerrainGrid};
+use orogeny_field::{PageLayout, TerrainGrid};
 use orogeny_gpu::{Drawing, Gpu, Result};
 
 use self::materials::Materials;
@@ -71,6 +72,8 @@ pub struct Renderer {
     active: HashMap<PagePlace, Holder>,
     /// What it would have wanted beside these.
     num_missing: u32,
+    /// Of pages and what lies over them, so far.
+    uploaded_bytes: u64,
     pipelines: Pipelines,
     shadow_maps: ShadowMaps,
     sky: Option<(Sky, wgpu::TextureView)>,
@@ -132,6 +135,7 @@ impl Renderer {
             overlay: PageTexture::none(gpu, "orogeny.no_overlay", wgpu::TextureFormat::R32Float, layout)?,
             active: HashMap::new(),
             num_missing: 0,
+            uploaded_bytes: 0,
             pipelines: Pipelines::new(gpu)?,
             shadow_maps: ShadowMaps::new(gpu, SHADOW_TEXELS)?,
             sky: None,
@@ -162,66 +166,6 @@ impl Renderer {
         missing
     }
 
-    /// Takes a page that was wanted: heights, and what lies over them. One for which there is no room is left out. Where another kind lies over
-    /// it than over those before, theirs is gone: they are to be [forgotten](Self::forget), or taken again.
-    ///
-    /// # Errors
-    /// When there is no memory for the overlay.
-    pub fn upload(&mut self, place: PagePlace, heights: &Page, overlay: Option<Overlay<'_>>) -> Result<()> {
-        let Some(slot) = self.slots.admit(place) else { return Ok(()) };
-        self.heights.write(&self.gpu, slot, bytemuck::cast_slice(heights.samples()));
-        if let Some(overlay) = overlay {
-            let (format, samples): (_, &[u8]) = match overlay {
-                Overlay::Masks(masks) => (wgpu::TextureFormat::Rgba8Unorm, bytemuck::cast_slice(masks)),
-                Overlay::Difference(higher_m) => {
-                    (wgpu::TextureFormat::R32Float, bytemuck::cast_slice(higher_m))
-                }
-            };
-            let num_slots = self.heights.num_slots();
-            if self.overlay.num_slots() < num_slots || self.overlay.format() != format {
-                let label = "orogeny.drawn.overlay";
-                self.overlay = PageTexture::new(&self.gpu, label, format, self.layout, num_slots, num_slots)?;
-            }
-            self.overlay.write(&self.gpu, slot, samples);
-        }
-        if self.active.insert(place, Holder::Slot(slot)).is_none() {
-            self.num_missing = self.num_missing.saturating_sub(1);
-        }
-        Ok(())
-    }
-
-    /// Has nothing lie over the pages that are there.
-    ///
-    /// # Errors
-    /// When there is no memory even for that.
-    pub fn forget_overlay(&mut self) -> Result<()> {
-        let (label, format) = ("orogeny.no_overlay", wgpu::TextureFormat::R32Float);
-        self.overlay = PageTexture::none(&self.gpu, label, format, self.layout)?;
-        Ok(())
-    }
-
-    /// Takes a part of a page that is there and has changed: so many samples from a first one on, of its heights as they are now. Nothing
-    /// happens where the page is not there, or has no such part.
-    pub fn upload_part(&mut self, place: PagePlace, heights: &Page, first: [u32; 2], num: [u32; 2]) {
-        let size = self.layout.size();
-        let is_in_page = first.iter().zip(num).all(|(first, num)| num > 0 && first + num <= size);
-        if let Some(slot) = self.slots.slot(place).filter(|_| is_in_page && heights.size() == size) {
-            self.heights.write_part(&self.gpu, slot, bytemuck::cast_slice(heights.samples()), first, num);
-        }
-    }
-
-    /// Whether a page is there.
-    #[must_use]
-    pub fn holds(&self, place: PagePlace) -> bool {
-        self.slots.slot(place).is_some()
-    }
-
-    /// Whether the next picture is drawn from a page, where it is in sight.
-    #[must_use]
-    pub fn is_shown(&self, place: PagePlace) -> bool {
-        self.active.contains_key(&place)
-    }
-
     /// The height of the ground where nothing is painted, metres, from now on.
     pub const fn set_unpainted_m(&mut self, unpainted_m: f32) {
         self.unpainted_m = unpainted_m;
@@ -235,12 +179,6 @@ impl Renderer {
     pub fn set_materials(&mut self, set: ResolvedSet, layers: &[Vec<SurfaceTexture>]) -> Result<()> {
         self.materials = Materials::new(&self.gpu, set, layers)?;
         Ok(())
-    }
-
-    /// Forgets pages whose heights are no longer so.
-    pub fn forget(&mut self, is_forgotten: impl Fn(&PagePlace) -> bool) {
-        self.active.retain(|place, _| !is_forgotten(place));
-        self.slots.forget(is_forgotten);
     }
 
     /// Draws a picture from the pages that are there.

@@ -1,7 +1,7 @@
 //! The slots of pages that pictures are drawn from: squares of a texture array, four bytes a sample.
 
 use orogeny_field::PageLayout;
-use orogeny_gpu::{Gpu, Result};
+use orogeny_gpu::{DevicePlane, Gpu, Result};
 
 /// Samples a side of a layer: 8 x 8 pages of 256.
 const LAYER_SIDE: u32 = 2048;
@@ -101,20 +101,9 @@ impl PageTexture {
         [x, z]: [u32; 2],
         [width, depth]: [u32; 2],
     ) {
-        let (size, slots_a_side) = (self.layout.size(), Self::slots_a_side(self.layout));
-        let slots_a_layer = slots_a_side * slots_a_side;
-        let cell = slot % slots_a_layer;
+        let size = self.layout.size();
         gpu.queue().write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture: &self.texture,
-                mip_level: 0,
-                origin: wgpu::Origin3d {
-                    x: cell % slots_a_side * size + x,
-                    y: cell / slots_a_side * size + z,
-                    z: slot / slots_a_layer,
-                },
-                aspect: wgpu::TextureAspect::All,
-            },
+            self.place(slot, [x, z]),
             samples,
             wgpu::TexelCopyBufferLayout {
                 offset: u64::from(z * size + x) * 4,
@@ -123,5 +112,44 @@ impl PageTexture {
             },
             wgpu::Extent3d { width, height: depth, depth_or_array_layers: 1 },
         );
+    }
+
+    /// Records the copy of so many samples from a place in a plane on.
+    pub(super) fn copy_part(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        slot: u32,
+        plane: &DevicePlane,
+        offset: u64,
+        first: [u32; 2],
+        [width, height]: [u32; 2],
+    ) {
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset,
+            bytes_per_row: Some(plane.stride * 4),
+            rows_per_image: None,
+        };
+        encoder.copy_buffer_to_texture(
+            wgpu::TexelCopyBufferInfo { buffer: &plane.buffer, layout },
+            self.place(slot, first),
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+    }
+
+    /// Where a sample of a slot lies.
+    fn place(&self, slot: u32, [x, z]: [u32; 2]) -> wgpu::TexelCopyTextureInfo<'_> {
+        let (size, slots_a_side) = (self.layout.size(), Self::slots_a_side(self.layout));
+        let slots_a_layer = slots_a_side * slots_a_side;
+        let cell = slot % slots_a_layer;
+        wgpu::TexelCopyTextureInfo {
+            texture: &self.texture,
+            mip_level: 0,
+            origin: wgpu::Origin3d {
+                x: cell % slots_a_side * size + x,
+                y: cell / slots_a_side * size + z,
+                z: slot / slots_a_layer,
+            },
+            aspect: wgpu::TextureAspect::All,
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod band;
 pub mod channel;
+pub mod coarsen;
 pub mod combine;
 pub mod convolve;
 pub mod cover;

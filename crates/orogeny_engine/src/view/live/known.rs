@@ -33,6 +33,8 @@ struct Held {
     earlier: Option<(Page, f32)>,
     /// What of it is no longer so, in samples of its level.
     stale: SampleRect,
+    /// What of it is drawn as it is now, and is not known here.
+    unknown: SampleRect,
 }
 
 impl Known {
@@ -112,14 +114,23 @@ impl Known {
         }
         let layout = self.layout;
         if data.rect == whole {
-            let fresh =
-                || Held { page: Page::constant(layout, 0.0), earlier: None, stale: SampleRect::EMPTY };
+            let fresh = || Held {
+                page: Page::constant(layout, 0.0),
+                earlier: None,
+                stale: SampleRect::EMPTY,
+                unknown: SampleRect::EMPTY,
+            };
             self.held.entry(place).or_insert_with(fresh);
         }
         let held = self.held.get_mut(&place)?;
         let page_rect = page_rect(layout, place);
         let first = [data.rect.x0.abs_diff(page_rect.x0), data.rect.z0.abs_diff(page_rect.z0)];
         let num = [data.rect.width(), data.rect.depth()];
+        if data.heights.is_empty() {
+            held.unknown = held.unknown.bounds_with(&data.rect);
+        } else if data.rect.contains(&held.unknown) {
+            held.unknown = SampleRect::EMPTY;
+        }
         for (row, samples) in (first[1]..).zip(data.heights.chunks_exact(num[0].max(1) as usize)) {
             if let Some(to) = held.page.row_mut(row, first[0], first[0] + num[0]) {
                 to.copy_from_slice(samples);
@@ -153,7 +164,7 @@ impl Known {
 
     /// Bounds that hold what has arrived of a stroke on its way, of the page and of those above it.
     fn widen(&mut self, data: &PageData) {
-        let Some(new) = HeightBounds::of_row(&data.heights) else { return };
+        let Some(new) = data.bounds.or_else(|| HeightBounds::of_row(&data.heights)) else { return };
         let root = PagePlace::root(&self.grid, self.layout);
         let mut place = data.place;
         loop {
@@ -178,6 +189,13 @@ impl Known {
             Some(before) if is_still => Some(before),
             _ => is_still.then(HashMap::new),
         };
+    }
+
+    /// What is drawn and not known here is asked for again.
+    pub(super) fn doubt_unknown(&mut self) {
+        for held in self.held.values_mut() {
+            held.stale = held.stale.bounds_with(&std::mem::replace(&mut held.unknown, SampleRect::EMPTY));
+        }
     }
 
     /// Drops pages of which `is_kept` says that they need not be there.

@@ -116,20 +116,25 @@ impl LiveView {
                 if pages.is_empty() {
                     self.unreadable.extend(awaited);
                 }
+                let is_compared = self.shows_earlier || self.shows_difference;
+                let mut on_device = Vec::new();
                 for data in pages {
                     self.unpainted_masks = data.unpainted_masks.unwrap_or(self.unpainted_masks);
                     let Some((page, first, num)) = self.known.take(data) else { continue };
-                    let is_compared = self.shows_earlier || self.shows_difference;
-                    if is_compared || data.masks.is_some() || !self.renderer.holds(data.place) {
-                        self.upload(data.place, data.masks.as_deref())?;
-                    } else {
-                        self.renderer.upload_part(data.place, page, first, num);
+                    let is_part = !is_compared && data.masks.is_none() && self.renderer.holds(data.place);
+                    match data.on_device.as_ref().filter(|plane| plane.gpu == self.gpu) {
+                        Some(plane) if is_part => on_device.push((data.place, first, num, plane)),
+                        // What is drawn in another way is asked for as a whole.
+                        _ if data.heights.is_empty() => {}
+                        _ if is_part => self.renderer.upload_part(data.place, page, first, num),
+                        _ => self.upload(data.place, data.masks.as_deref())?,
                     }
                     if let Some(earlier) = &data.earlier {
                         self.unpainted_earlier_m = Some(earlier.unpainted_m);
                         self.set_unpainted_m();
                     }
                 }
+                self.renderer.copy_parts(&on_device);
                 let renderer = &self.renderer;
                 self.known.retain(|place| renderer.holds(*place));
             }
@@ -154,6 +159,7 @@ impl LiveView {
 
     /// Hands over again what has come: what of it is shown is another thing now.
     fn upload_all(&mut self) -> Result<()> {
+        self.known.doubt_unknown();
         for place in self.known.places() {
             if self.renderer.holds(place) {
                 self.upload(place, None)?;
@@ -290,11 +296,13 @@ impl LiveView {
             return Vec::new();
         }
         let renderer = &self.renderer;
+        // How it was comes with whole pages.
+        let is_compared = self.shows_earlier || self.shows_difference;
         let mut requests: Vec<_> = self
             .known
             .take_stale(|place| renderer.is_shown(place))
             .into_iter()
-            .map(|(place, rect)| PageRequest { place, rect: Some(rect) })
+            .map(|(place, rect)| PageRequest { place, rect: Some(rect).filter(|_| !is_compared) })
             .collect();
         let missing = self.missing.iter().filter(|place| !self.unreadable.contains(place));
         requests.extend(missing.take(PAGES_AT_ONCE).map(|place| PageRequest { place: *place, rect: None }));
@@ -304,6 +312,12 @@ impl LiveView {
         requests.extend(stale.into_iter().map(|place| PageRequest { place, rect: Some(SampleRect::EMPTY) }));
         self.awaited = requests.iter().map(|request| request.place).collect();
         requests
+    }
+
+    /// Bytes of pages, and of what lies over them, that went from memory to the device so far.
+    #[must_use]
+    pub const fn uploaded_bytes(&self) -> u64 {
+        self.renderer.uploaded_bytes()
     }
 
     /// Whether the picture has come to lie in another texture since this was last asked.

@@ -10,6 +10,8 @@ use crate::session::{Event, PageRequest, Session, Status, Ticket, Travel};
 use crate::view::{ViewRequest, drawing_gpu};
 use crate::{Adapter, BrushOperation, EntryId, Operation, Quiet, Settings, Terrain};
 
+mod on_device;
+
 const WAIT: Duration = Duration::from_secs(120);
 
 fn settings() -> Settings {
