@@ -12,6 +12,7 @@ mod levels;
 mod loads;
 #[cfg(target_os = "linux")]
 mod out_of_memory;
+mod shared_device;
 mod splits;
 
 use orogeny_brush::{CpuExecutor, Executor, GpuBudget, GpuExecutor};

@@ -1,7 +1,8 @@
 //! One device, with everything that goes wrong on it recorded.
 
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::adapter::{AdapterChoice, AdapterDescription, choose, choose_for_surface, new_instance};
 use crate::kernel::BuiltKernels;
@@ -160,7 +161,20 @@ impl Gpu {
     fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
         let waited = self.device.poll(wgpu::PollType::Wait { submission_index, timeout: Some(self.timeout) });
         self.check()?;
-        waited.map(|_| ()).map_err(|_| Error::Timeout { timeout_s: self.timeout.as_secs_f32() })
+        waited.map(|_| ()).map_err(|_| self.hung())
+    }
+
+    const fn hung(&self) -> Error {
+        Error::Timeout { timeout_s: self.timeout.as_secs_f32() }
+    }
+
+    /// [`check`](Self::check)s, and that it does not take too long since some time.
+    ///
+    /// # Errors
+    /// As [`wait`](Self::wait).
+    pub(crate) fn check_within(&self, start: Instant) -> Result<()> {
+        self.check()?;
+        if start.elapsed() > self.timeout { Err(self.hung()) } else { Ok(()) }
     }
 
     /// A buffer.
@@ -198,9 +212,16 @@ impl Gpu {
     /// # Errors
     /// As [`wait`](Self::wait).
     pub fn read_buffer(&self, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
-        // Whether it was mapped is seen below; what went wrong is in the check.
-        buffer.map_async(wgpu::MapMode::Read, .., |_| {});
+        let (tell, told) = channel();
+        // Whoever asked may have given up.
+        buffer.map_async(wgpu::MapMode::Read, .., move |mapped| _ = tell.send(mapped).ok());
         self.wait()?;
+        // Another who waits for the device at the same time may be the one who is told.
+        match told.recv_timeout(self.timeout) {
+            Ok(Ok(())) => {}
+            Ok(Err(_)) | Err(RecvTimeoutError::Disconnected) => return Err(self.unreachable()),
+            Err(RecvTimeoutError::Timeout) => return Err(self.hung()),
+        }
         let words = {
             let mapped = buffer.get_mapped_range(..).map_err(|_| self.unreachable())?;
             bytemuck::pod_collect_to_vec(&mapped)

@@ -6,6 +6,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::{Duration, Instant};
 
 use crate::{Gpu, Result};
 
@@ -35,6 +36,9 @@ struct UnderWay<T> {
     /// [`WAITING`], [`MAPPED`] or [`FAILED`], set by the driver's callback.
     state: Arc<AtomicU8>,
 }
+
+/// How long another thread usually takes to tell on what has arrived.
+const TELL_TIME: Duration = Duration::from_micros(50);
 
 const WAITING: u8 = 0;
 const MAPPED: u8 = 1;
@@ -132,7 +136,15 @@ impl<T> ReadbackBelt<T> {
             return Ok(Vec::new());
         }
         self.gpu.wait()?;
-        self.collect()
+        let mut arrived = self.collect()?;
+        let start = Instant::now();
+        // They have arrived; but who else waits for the device at the same time may be the one who is told, and is yet to tell it on.
+        while !self.under_way.is_empty() {
+            self.gpu.check_within(start)?;
+            std::thread::sleep(TELL_TIME);
+            arrived.extend(self.collect()?);
+        }
+        Ok(arrived)
     }
 
     fn collect(&mut self) -> Result<Vec<ReadBack<T>>> {
