@@ -2,6 +2,7 @@
 //! sizes, budgets and terrains, strokes that cross borders and corners and that lie far outside.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::OnceLock;
 
 use orogeny_brush::{CpuExecutor, Executor, GpuBudget, GpuExecutor};
 use orogeny_field::{
@@ -54,6 +55,13 @@ pub enum Ground {
     Random,
     Extreme,
     Real,
+}
+
+/// One device for all: kernels take a software driver long to compile, and each is compiled once for a device. What a driver refuses then fails
+/// the test that asks next.
+fn shared_gpu() -> Gpu {
+    static SHARED: OnceLock<Gpu> = OnceLock::new();
+    SHARED.get_or_init(gpu).clone()
 }
 
 /// One device and its executors, each made when it is first needed.
@@ -113,7 +121,7 @@ impl Profiles {
 
 /// Compares the back ends for each brush, with each profile as a stroke and as a fill, on one kind of ground.
 pub fn assert_back_ends_agree(ground: Ground, brushes: &[(&str, Brush)], profiles_each: Profiles) {
-    let mut back_ends = BackEnds { gpu: gpu(), executors: HashMap::new() };
+    let mut back_ends = BackEnds { gpu: shared_gpu(), executors: HashMap::new() };
     let mut figures = BTreeMap::<String, Figures>::new();
     let profiles = profiles();
     let (mut num_cases, mut num_changed, mut num_over_pages) = (0, 0, 0);
@@ -307,7 +315,7 @@ pub struct Dabs {
 impl Dabs {
     pub fn new() -> Self {
         let layout = PageLayout::new(64).unwrap();
-        let gpu = gpu();
+        let gpu = shared_gpu();
         let budget = GpuBudget { budget_in_bytes: 8 * layout.size_in_bytes(), layers_per_array: 8 };
         let cpu = CpuExecutor::new(layout, 8 * layout.size_in_bytes(), None).unwrap();
         Self { on_gpu: GpuExecutor::new(gpu.clone(), layout, budget).unwrap(), gpu, cpu, layout }
