@@ -15,7 +15,7 @@ use crate::filter::kernels::coarsen;
 /// The shader's stem of what finds bounds, and the samples of a row that an invocation looks at.
 const BOUNDS_STEM: &str = "field/bounds";
 const BOUNDS_RUN: u32 = 64;
-/// Samples of full resolution that are looked at once: 64 MiB.
+/// Samples of full resolution that are looked at once, as they lie in memory: 64 MiB.
 const MAX_SAMPLES: u64 = 1 << 24;
 
 impl GpuExecutor {
@@ -29,7 +29,7 @@ impl GpuExecutor {
     ) -> Result<Option<Levels>> {
         let needed = needed(grid, wanted);
         let Some(finest) = needed.first().copied().filter(|rect| !rect.is_empty()) else { return Ok(None) };
-        if finest.area() > MAX_SAMPLES || !self.holds_most(field, finest) {
+        if GpuPlane::num_samples(&finest) > MAX_SAMPLES || !self.holds_most(field, finest) {
             return Ok(None);
         }
         let mut encoder = self.encoder();

@@ -550,7 +550,14 @@ impl Executor for GpuExecutor {
         wanted: &[SampleRect],
         store: &mut dyn PageStore,
     ) -> Result<Option<Levels>> {
-        self.work_out_levels(field, grid, wanted, store)
+        match self.work_out_levels(field, grid, wanted, store) {
+            // Whoever looks can do without.
+            Err(Error::Gpu(orogeny_gpu::Error::OutOfMemory { .. })) => {
+                self.planes.clear();
+                Ok(None)
+            }
+            levels => levels,
+        }
     }
 
     fn memory(&self) -> PageMemory {

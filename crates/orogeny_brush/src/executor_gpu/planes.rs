@@ -30,6 +30,15 @@ pub(super) struct GpuPlanes {
 }
 
 impl GpuPlane {
+    fn stride_of(rect: &SampleRect) -> u32 {
+        rect.width().max(1).next_multiple_of(STRIDE_UNIT)
+    }
+
+    /// Samples of a rectangle with what lies between its rows.
+    pub(super) fn num_samples(rect: &SampleRect) -> u64 {
+        u64::from(Self::stride_of(rect)) * u64::from(rect.depth().max(1))
+    }
+
     /// The place of a sample, in bytes.
     pub(super) const fn offset(&self, x: i32, z: i32) -> u64 {
         let (column, row) = (x.abs_diff(self.rect.x0), z.abs_diff(self.rect.z0));
@@ -51,8 +60,8 @@ impl GpuPlanes {
     /// # Errors
     /// [`Error::PlaneSize`] for one that no buffer of the device holds; [`Error::Gpu`] when there is no memory.
     pub(super) fn plane(&mut self, gpu: &Gpu, rect: SampleRect, num_channels: u32) -> Result<GpuPlane> {
-        let stride = rect.width().max(1).next_multiple_of(STRIDE_UNIT);
-        let size = u64::from(stride) * u64::from(rect.depth().max(1)) * u64::from(num_channels) * 4;
+        let stride = GpuPlane::stride_of(&rect);
+        let size = GpuPlane::num_samples(&rect) * u64::from(num_channels) * 4;
         let limit = gpu.device().limits().max_storage_buffer_binding_size;
         if size > limit {
             return Err(Error::PlaneSize { width: rect.width(), depth: rect.depth(), limit_in_bytes: limit });

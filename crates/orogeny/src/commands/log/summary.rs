@@ -27,7 +27,8 @@ pub(super) fn summary(operation: &Value) -> String {
     ] {
         match field(path).filter(|_| what != "radius" || is_stroke) {
             Some(Value::Number(number)) => {
-                line.push_str(&format!(", {what} {}{unit}", number.as_f64().unwrap_or_default()));
+                // What a slider was moved to has digits that no one chose: seven are enough to tell one from another.
+                line.push_str(&format!(", {what} {}{unit}", number.as_f64().unwrap_or_default() as f32));
             }
             Some(value) => line.push_str(&format!(", {what} {value}{unit}")),
             None => {}
@@ -58,6 +59,8 @@ mod tests {
         let stroke =
             json!({"op": "stroke", "layer": 1, "target": "seen", "brush": brush, "points": [[1, 2]]});
         assert_eq!(summary(&stroke), "stroke raise, radius 40.5 m, strength 12, 1 point, layer 1");
+        let slid = json!({"op": "stroke", "brush": {"type": "raise", "radius": 82.0, "strength": 8.200000000000001}, "points": []});
+        assert_eq!(summary(&slid), "stroke raise, radius 82 m, strength 8.2, 0 points");
         for (target, end) in
             [("mask", "mask of layer 7"), ("selection", "selection"), ("heights", "own heights of layer 7")]
         {
