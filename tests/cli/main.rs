@@ -18,6 +18,7 @@ mod compaction;
 mod damage;
 mod drainage;
 mod edit;
+mod exporting;
 mod faults;
 mod history;
 mod job;
