@@ -21,6 +21,7 @@ mod edit;
 mod exporting;
 mod faults;
 mod history;
+mod importing;
 mod job;
 mod layers;
 mod levels;

@@ -147,6 +147,9 @@ pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
 /// Of what is wrong, or would be refused.
 const WARNING: Color32 = Color32::from_rgb(230, 120, 90);
 
+/// Of where a file of heights begins.
+const FIRST: Color32 = Color32::from_rgb(255, 190, 60);
+
 /// Draws the quarters of the compass within the sides of a rectangle, and where a file of heights begins.
 fn compass(ui: &Ui, rect: egui::Rect, first: egui::Pos2) {
     let (font, weak) = (egui::FontId::proportional(11.0), ui.visuals().weak_text_color());
@@ -158,7 +161,7 @@ fn compass(ui: &Ui, rect: egui::Rect, first: egui::Pos2) {
     ] {
         ui.painter().text(place, align, name, font.clone(), weak);
     }
-    ui.painter().circle_filled(first, 4.0, Color32::from_rgb(255, 190, 60));
+    ui.painter().circle_filled(first, 4.0, FIRST);
 }
 
 /// A window in the middle that is a dialog. `None` where its cross was clicked.

@@ -171,6 +171,17 @@ impl Window {
         self.frames(2);
     }
 
+    /// Types into a field for a number.
+    pub fn type_number(&mut self, label: &str, text: &str) {
+        self.harness.get_by_role_and_label(egui::accesskit::Role::SpinButton, label).focus();
+        self.frames(2);
+        self.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        self.frames(1);
+        self.harness.event(Event::Text(text.to_owned()));
+        self.harness.key_press(Key::Enter);
+        self.frames(3);
+    }
+
     /// Drops a file of the folder on the window.
     pub fn drop_file(&mut self, name: &str) {
         let file = Arc::new(Dropped(self.path(name)));
