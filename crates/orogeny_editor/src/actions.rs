@@ -22,6 +22,7 @@ impl Editor {
             Command::Import => self.panels.dialog = Some(Dialog::import(self)),
             Command::Export => self.panels.dialog = Some(Dialog::export(self)),
             Command::AddBrush => self.panels.dialog = Some(Dialog::add_brush(self)),
+            Command::AddPreset => self.panels.dialog = Some(Dialog::add_preset(self)),
             Command::Quit => self.request_close(),
             Command::Undo => self.travel("undo", Travel::Undo(1)),
             Command::Redo => self.travel("redo", Travel::Redo(1)),
@@ -106,7 +107,8 @@ impl Editor {
     }
 
     fn cancel(&mut self) {
-        if self.panels.dialog.take().is_some() {
+        if let Some(dialog) = self.panels.dialog.take() {
+            self.panels.dialog = dialog.given_up();
             return;
         }
         self.end_comparing();

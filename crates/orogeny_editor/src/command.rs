@@ -54,6 +54,8 @@ pub enum Command {
     TakeHeight,
     /// Add a brush that the user wrote.
     AddBrush,
+    /// Take a preset from a file.
+    AddPreset,
     /// Take a brush.
     Brush(BrushType),
     /// Have the left button do something.
@@ -155,7 +157,7 @@ impl Menu {
 
 impl Command {
     /// Those that stand alone, in the order of their menus.
-    const PLAIN: [Self; 49] = [
+    const PLAIN: [Self; 50] = [
         Self::New,
         Self::Open,
         Self::Import,
@@ -191,6 +193,7 @@ impl Command {
         Self::CopyFromHere,
         Self::TakeHeight,
         Self::AddBrush,
+        Self::AddPreset,
         Self::AddLayer,
         Self::AddProcedure,
         Self::AddEffect,
@@ -247,6 +250,7 @@ impl Command {
             Self::CopyFromHere => "copy_from_here".to_owned(),
             Self::TakeHeight => "take_height".to_owned(),
             Self::AddBrush => "add_brush".to_owned(),
+            Self::AddPreset => "add_preset".to_owned(),
             Self::AddLayer => "add_layer".to_owned(),
             Self::AddProcedure => "add_procedure".to_owned(),
             Self::AddEffect => "add_effect".to_owned(),
@@ -304,6 +308,7 @@ impl Command {
             Self::CopyFromHere => "Copy from under the pointer".to_owned(),
             Self::TakeHeight => "Take the height under the pointer".to_owned(),
             Self::AddBrush => "Add a brush of your own…".to_owned(),
+            Self::AddPreset => "Add a preset from a file…".to_owned(),
             Self::Copy => "Copy the selected ground".to_owned(),
             Self::Paste => "Paste as a floating piece".to_owned(),
             Self::PutDown => "Put the floating piece down".to_owned(),
@@ -363,6 +368,7 @@ impl Command {
             | Self::CopyFromHere
             | Self::TakeHeight
             | Self::AddBrush
+            | Self::AddPreset
             | Self::Brush(_) => Menu::Brush,
             Self::AddLayer
             | Self::AddProcedure

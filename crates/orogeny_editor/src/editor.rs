@@ -465,12 +465,7 @@ impl Editor {
             return self.open(file);
         }
         if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
-            // One of that name stays as it is.
-            let kept = Preset::read(file).and_then(|preset| self.options.presets.save(&preset, false));
-            return match kept {
-                Ok(path) => self.tell(format!("the preset was kept as `{}`", path.display()), false),
-                Err(err) => self.tell(err.to_string(), true),
-            };
+            return self.add_preset(file);
         }
         match Format::from_path(file, Direction::Import) {
             Ok(_) if self.document.is_some() => {
@@ -478,6 +473,14 @@ impl Editor {
             }
             Ok(_) => self.tell("open a terrain, or make one: then drop the heights on it again", true),
             Err(err) => self.tell(format!("`{}`: {err}", file.display()), true),
+        }
+    }
+
+    /// Keeps a preset that someone gave; one of its name stays as it is.
+    pub(crate) fn add_preset(&mut self, file: &Path) {
+        match Preset::read(file).and_then(|preset| self.options.presets.save(&preset, false)) {
+            Ok(path) => self.tell(format!("the preset was kept as `{}`", path.display()), false),
+            Err(err) => self.tell(err.to_string(), true),
         }
     }
 

@@ -5,6 +5,7 @@ use orogeny_engine::presets::PresetOrigin;
 use orogeny_engine::{BrushType, Preset};
 use serde_json::{Map, Value};
 
+use super::Dialog;
 use crate::command::{Command, capitalised, words};
 use crate::editor::Editor;
 
@@ -79,6 +80,8 @@ enum PresetWish {
     Rename(String),
     Remove(String),
     CopyText(String),
+    Write(String),
+    Add,
 }
 
 fn presets(editor: &mut Editor, ui: &mut Ui, is_found: impl Fn(&str) -> bool) {
@@ -119,6 +122,9 @@ fn presets(editor: &mut Editor, ui: &mut Ui, is_found: impl Fn(&str) -> bool) {
                 {
                     wish = Some(PresetWish::CopyText(name.clone()));
                 }
+                if ui.button("Write to a file…").on_hover_text("With its picture").clicked() {
+                    wish = Some(PresetWish::Write(name.clone()));
+                }
             });
         }
         ui.horizontal(|ui| {
@@ -131,6 +137,9 @@ fn presets(editor: &mut Editor, ui: &mut Ui, is_found: impl Fn(&str) -> bool) {
                 .clicked()
             {
                 save(editor);
+            }
+            if ui.button("From a file…").on_hover_text("Keeps a preset that someone gave you").clicked() {
+                wish = Some(PresetWish::Add);
             }
         });
     });
@@ -163,6 +172,8 @@ fn grant(editor: &mut Editor, ui: &Ui, wish: PresetWish) -> orogeny_engine::Resu
             ui.ctx().copy_text(presets.get(&name)?.preset.to_json_text()?);
             editor.tell(format!("the preset {name} was copied as text"), false);
         }
+        PresetWish::Write(name) => editor.panels.dialog = Some(Dialog::write_preset(editor, &name)),
+        PresetWish::Add => editor.run(Command::AddPreset, &ui.ctx().clone()),
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! What stands around the ground: menus, brushes, layers, history, the status line, and dialogs over it.
 
+mod browse;
 mod brushes;
 mod commands;
 mod curve;
@@ -30,6 +31,7 @@ use egui::{Color32, Context, Panel, ScrollArea, Ui};
 use crate::Hand;
 use crate::editor::Editor;
 
+pub(crate) use browse::Browse;
 pub(crate) use files::FileDialog;
 pub(crate) use log::LogView;
 pub(crate) use map::MapView;
@@ -43,6 +45,8 @@ pub(crate) enum Dialog {
     New(NewTerrain),
     /// A file is opened, read or written.
     File(Box<FileDialog>),
+    /// A file is chosen for a field.
+    Browse(Browse),
     /// A command is looked for.
     Commands { search: String },
     /// Keys, theme, size.
@@ -130,7 +134,8 @@ pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
 pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
     let Some(dialog) = editor.panels.dialog.take() else { return editor.previews.forget() };
     let stays = match dialog {
-        Dialog::New(new) => new_terrain::show(editor, ctx, new).map(Dialog::New),
+        Dialog::New(new) => new_terrain::show(editor, ctx, new),
+        Dialog::Browse(browse) => browse::show(editor, ctx, browse),
         Dialog::File(file) => files::show(editor, ctx, *file).map(|file| Dialog::File(Box::new(file))),
         Dialog::Commands { search } => {
             commands::show(editor, ctx, search).map(|search| Dialog::Commands { search })
