@@ -28,6 +28,10 @@ pub enum Command {
     FrameAll,
     /// Look straight down on all of it.
     LookDown,
+    /// See it from a second place beside the first, or no more.
+    SplitView,
+    /// Work in the other half of the view.
+    SwitchView,
     /// Keep where the eye is under a number.
     KeepPlace(u8),
     /// Go back there.
@@ -157,7 +161,7 @@ impl Menu {
 
 impl Command {
     /// Those that stand alone, in the order of their menus.
-    const PLAIN: [Self; 50] = [
+    const PLAIN: [Self; 52] = [
         Self::New,
         Self::Open,
         Self::Import,
@@ -180,6 +184,8 @@ impl Command {
         Self::SeeEarlier,
         Self::FrameAll,
         Self::LookDown,
+        Self::SplitView,
+        Self::SwitchView,
         Self::ShowSelection,
         Self::ShowMap,
         Self::ShowHistogram,
@@ -237,6 +243,8 @@ impl Command {
             Self::Cancel => "cancel".to_owned(),
             Self::FrameAll => "frame_all".to_owned(),
             Self::LookDown => "look_down".to_owned(),
+            Self::SplitView => "split_view".to_owned(),
+            Self::SwitchView => "switch_view".to_owned(),
             Self::KeepPlace(number) => format!("keep_place.{number}"),
             Self::GoToPlace(number) => format!("go_to_place.{number}"),
             Self::Compare => "compare".to_owned(),
@@ -296,6 +304,8 @@ impl Command {
             Self::Cancel => "Cancel what is running".to_owned(),
             Self::FrameAll => "Show all of the terrain".to_owned(),
             Self::LookDown => "Look straight down".to_owned(),
+            Self::SplitView => "Split the view, or close the other half".to_owned(),
+            Self::SwitchView => "Work in the other half of the view".to_owned(),
             Self::KeepPlace(number) => format!("Keep this place as {number}"),
             Self::GoToPlace(number) => format!("Go to place {number}"),
             Self::Compare => "Compare with how it was before".to_owned(),
@@ -352,6 +362,8 @@ impl Command {
             | Self::Hand(_) => Menu::Edit,
             Self::FrameAll
             | Self::LookDown
+            | Self::SplitView
+            | Self::SwitchView
             | Self::Mode(_)
             | Self::ShowSelection
             | Self::ShowMap

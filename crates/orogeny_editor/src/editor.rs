@@ -22,6 +22,7 @@ use crate::keymap::Keymap;
 use crate::log::Log;
 use crate::measure::Measurement;
 use crate::own_brushes::OwnBrushes;
+use crate::pane::Pane;
 use crate::panels::{Dialog, Panels};
 use crate::piece::Piece;
 use crate::preferences::Preferences;
@@ -92,10 +93,8 @@ pub struct Editor {
     is_closing: bool,
     /// When preferences were last looked at.
     remembered: Instant,
-    /// The picture of the viewport as egui knows it.
-    pub(crate) picture: Option<TextureId>,
-    /// Whether what is drawn went into a new texture.
-    pub(crate) is_picture_new: bool,
+    /// Pictures that egui knows and that are shown no more.
+    pub(crate) left_pictures: Vec<TextureId>,
 }
 
 impl std::fmt::Debug for Editor {
@@ -149,8 +148,7 @@ impl Editor {
             messages: wrong.into_iter().collect(),
             is_closing: false,
             remembered: Instant::now(),
-            picture: None,
-            is_picture_new: true,
+            left_pictures: Vec::new(),
         }
     }
 
@@ -202,8 +200,7 @@ impl Editor {
     /// Draws on another device from now on: the old one was lost.
     pub fn set_gpu(&mut self, gpu: Gpu) {
         self.gpu = gpu;
-        self.picture = None;
-        self.is_picture_new = true;
+        self.left_pictures.clear();
         self.thumbnails.forget();
         let Some(document) = &mut self.document else { return };
         if let Err(err) = document.draw_on(&self.gpu) {
@@ -243,13 +240,14 @@ impl Editor {
         self.remember();
         let Opening { path, session } = opening;
         let camera = self.preferences.cameras.get(&path).copied();
-        match Document::new(&path, session, status, &self.gpu, camera) {
+        match Document::new(&path, session, status, &self.gpu, camera, self.request.mode) {
             Ok(document) => {
                 self.tool.set_terrain(&document.status);
                 self.panels.selecting.set_terrain(&document.status);
                 (self.viewport.tape_m, self.viewport.piece) = (None, None);
-                self.document = Some(document);
-                self.is_picture_new = true;
+                if let Some(before) = self.document.replace(document) {
+                    self.left_pictures.extend(before.panes().filter_map(Pane::picture));
+                }
                 self.preferences.note_opened(&path);
                 self.remember();
             }
@@ -261,7 +259,7 @@ impl Editor {
     pub fn remember(&mut self) {
         self.remembered = Instant::now();
         if let Some(document) = &self.document {
-            self.preferences.cameras.insert(document.path.clone(), document.camera);
+            self.preferences.cameras.insert(document.path.clone(), document.pane.camera);
         }
         self.preferences.brush = self.tool.brush_type.name().to_owned();
         self.preferences.brushes.clone_from(&self.tool.objects);
@@ -315,15 +313,17 @@ impl Editor {
     /// Where the eye is.
     #[must_use]
     pub fn camera(&self) -> Option<CameraControl> {
-        self.document.as_ref().map(|document| document.camera)
+        self.document.as_ref().map(|document| document.pane.camera)
     }
 
     /// How the ground is shown.
     #[must_use]
     pub fn mode(&self) -> Mode {
-        let shows_difference = |document: &Document| document.past.is_some_and(|past| !past.is_glance);
-        let is_compared = self.document.as_ref().is_some_and(shows_difference);
-        if is_compared { Mode::Difference } else { self.request.mode }
+        match self.document.as_ref().map(|document| &document.pane) {
+            Some(pane) if pane.is_compared => Mode::Difference,
+            Some(pane) => pane.mode,
+            None => self.request.mode,
+        }
     }
 
     /// The brush in the hand.
@@ -349,7 +349,9 @@ impl Editor {
     pub fn measured(&self) -> Option<Measurement> {
         let (document, tape_m) = (self.document.as_ref()?, self.viewport.tape_m?);
         let spacing_m = document.status.grid.spacing_m();
-        Some(Measurement::between(tape_m, spacing_m, |place_m| f64::from(document.view.ground(place_m).0)))
+        Some(Measurement::between(tape_m, spacing_m, |place_m| {
+            f64::from(document.pane.view.ground(place_m).0)
+        }))
     }
 
     /// The radius of the brush in the hand, metres.
@@ -411,7 +413,9 @@ impl Editor {
     #[must_use]
     pub fn is_settled(&self) -> bool {
         let is_settled = |document: &Document| {
-            document.jobs.is_empty() && document.view.is_complete() && !document.overview.is_waiting()
+            document.jobs.is_empty()
+                && document.panes().all(|pane| pane.view.is_complete())
+                && !document.overview.is_waiting()
         };
         self.opening.is_none()
             && !self.thumbnails.is_waiting()
@@ -422,7 +426,7 @@ impl Editor {
     /// Whether another frame is wanted without anything happening.
     #[must_use]
     pub fn wants_frame(&self) -> bool {
-        let is_waiting = |document: &Document| document.view.is_waiting();
+        let is_waiting = |document: &Document| document.panes().any(|pane| pane.view.is_waiting());
         self.viewport.is_busy() || self.document.as_ref().is_some_and(is_waiting)
     }
 

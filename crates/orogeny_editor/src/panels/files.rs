@@ -83,8 +83,10 @@ impl Dialog {
 
     fn file(editor: &Editor, purpose: Purpose, name: &str) -> Self {
         let path = folder(editor).join(name).display().to_string();
-        let range_m =
-            editor.document.as_ref().map_or([0.0, 1.0], |document| document.view.range_m().map(f64::from));
+        let range_m = editor
+            .document
+            .as_ref()
+            .map_or([0.0, 1.0], |document| document.pane.view.range_m().map(f64::from));
         let sought = match purpose {
             Purpose::Open => Sought::Terrain,
             Purpose::Import => Sought::Heights,
@@ -198,7 +200,7 @@ fn import_heights(editor: &mut Editor, dialog: &FileDialog, path: &Path) {
 fn export_heights(editor: &mut Editor, dialog: &FileDialog, path: &Path) -> Option<String> {
     let document = editor.document.as_mut()?;
     let name = name_of(path);
-    let request = dialog.export.request(&dialog.path, document.view.range_m());
+    let request = dialog.export.request(&dialog.path, document.pane.view.range_m());
     let grid = document.status.grid;
     let planned = request.planned([grid.width(), grid.depth()], grid.spacing_m());
     let ticket = document.session.export(request);

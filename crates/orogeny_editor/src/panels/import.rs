@@ -142,6 +142,8 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: 
             return;
         }
     };
+    // Above all that has another size once it is turned: what is pressed twice stays under the pointer.
+    turns(ui, choice);
     let options = choice.request(path, None, grid).options;
     let previewed = editor.previews.of(ui.ctx(), path, &options);
     match &previewed {
@@ -164,7 +166,6 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: 
         }
     }
     ui.separator();
-    turns(ui, choice);
     ui.label(format!("It goes into the layer {layer}"));
     ui.horizontal(|ui| {
         ui.label("Its north-west sample goes to");

@@ -77,6 +77,8 @@ pub(crate) struct Panels {
     pub(crate) map: MapView,
     /// Whether the histogram is open.
     pub(crate) shows_histogram: bool,
+    /// The share of the width that the left pane has, where it is not half of it.
+    pub(crate) left_share: Option<f32>,
 }
 
 /// Draws all of them but dialogs.

@@ -23,4 +23,5 @@ mod pictures;
 mod presets;
 mod random;
 mod selecting;
+mod splitting;
 mod support;
