@@ -197,7 +197,7 @@ impl Editor {
     /// What was copied floats under the pointer, or where it was copied.
     fn paste(&mut self) {
         let Some(document) = &self.document else { return };
-        let Some(copied) = document.copied else {
+        let Some(copied) = &document.copied else {
             return self.tell("nothing was copied yet: select some ground and press Ctrl+C", false);
         };
         let [x_m, z_m, width_m, depth_m] = copied.region_m;
@@ -205,7 +205,7 @@ impl Editor {
             Some(place) => [place.x, place.z],
             None => [x_m + width_m / 2.0, z_m + depth_m / 2.0],
         };
-        self.viewport.piece = Some(Piece::new(copied, to_m));
+        self.viewport.piece = Some(Piece::new(copied, &document.path, to_m));
     }
 
     /// Blends what floats into the ground; it floats on where that cannot be.

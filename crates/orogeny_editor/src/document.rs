@@ -74,7 +74,7 @@ pub struct Document {
     pub stroke: Option<Ticket>,
     /// All of it in few heights.
     pub overview: Overview,
-    /// What was copied of it.
+    /// What was copied, of it or of one that was open before.
     pub copied: Option<Copied>,
     /// Whether what is selected is to be copied as soon as it is known.
     pub is_copying: bool,
@@ -288,9 +288,11 @@ impl Document {
             return None;
         }
         self.is_copying = false;
-        self.copied = self.overview.survey().and_then(Copied::selected);
-        Some(match self.copied {
-            Some(Copied { region_m: [.., width_m, depth_m] }) => {
+        let height_m = |place_m| self.pane.view.ground(place_m).0;
+        let survey = self.overview.survey();
+        self.copied = survey.and_then(|survey| Copied::selected(&self.path, survey, height_m));
+        Some(match &self.copied {
+            Some(Copied { region_m: [.., width_m, depth_m], .. }) => {
                 let text = format!(
                     "{width_m:.0} m x {depth_m:.0} m are copied: Ctrl+V has them float over the ground"
                 );

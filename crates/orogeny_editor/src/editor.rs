@@ -241,13 +241,16 @@ impl Editor {
         let Opening { path, session } = opening;
         let camera = self.preferences.cameras.get(&path).copied();
         match Document::new(&path, session, status, &self.gpu, camera, self.request.mode) {
-            Ok(document) => {
+            Ok(mut document) => {
                 self.tool.set_terrain(&document.status);
                 self.panels.selecting.set_terrain(&document.status);
                 (self.viewport.tape_m, self.viewport.piece) = (None, None);
-                if let Some(before) = self.document.replace(document) {
+                if let Some(before) = self.document.take() {
                     self.left_pictures.extend(before.panes().filter_map(Pane::picture));
+                    // It is read from its file when it is put down.
+                    document.copied = before.copied;
                 }
+                self.document = Some(document);
                 self.preferences.note_opened(&path);
                 self.remember();
             }
@@ -518,7 +521,7 @@ impl Editor {
             return;
         }
         let Some(document) = &mut self.document else { return };
-        match self.tool.fill(document.layer, &self.options.presets) {
+        match self.tool.fill(document.layer, document.has_only_mask(), &self.options.presets) {
             Ok(operation) => {
                 let what = format!("fill {}", self.tool.brush_type.name());
                 let ticket = document.session.apply(vec![operation]);

@@ -2,13 +2,13 @@
 
 use egui::{Event, Key, PointerButton, Pos2, Rect, Response, Ui, Vec2};
 use glam::DVec3;
-use orogeny_engine::{BrushOperation, Camera, Cursor, LiveView, SelectCombine, ViewRequest};
+use orogeny_engine::{BrushOperation, Camera, Cursor, SelectCombine, ViewRequest};
 
 use crate::document::Document;
 use crate::hand::{Hand, combine_of, corners_m};
 use crate::outline::{Sketch, on_ground, place_on_ground};
 use crate::pane::{Pane, size_px};
-use crate::piece::{Handle, Piece};
+use crate::piece::{Handle, NUM_LINES, Piece};
 use crate::tool::Twist;
 
 /// Of the distance to what is looked at, what is flown in a second.
@@ -19,8 +19,6 @@ const MIN_FLY_M: f64 = 2.0;
 const WHEEL_STEP: f32 = 50.0;
 /// How near to a handle the pointer takes hold of it, in points.
 const HANDLE_REACH: f32 = 12.0;
-/// Lines that a floating piece is drawn with, each way.
-const PIECE_LINES: u32 = 12;
 /// How far above its middle the handle that lifts it is, in halves of its width.
 const LIFT_AT: f64 = 0.5;
 /// Points on the screen that the pointer moves at least from one corner of a lasso to the next.
@@ -332,7 +330,7 @@ impl Viewport {
         let is_at =
             |place: DVec3| sketch.seen_at(place).is_some_and(|seen| (seen - at).length() <= HANDLE_REACH);
         let view = &document.pane.view;
-        if is_at(lift_place(piece, view)) {
+        if is_at(lift_place(piece)) {
             return Some(Handle::Lift);
         }
         if is_at(place_on_ground(view, piece.turn_m())) {
@@ -352,7 +350,7 @@ impl Viewport {
         let Some(piece) = &mut self.piece else { return };
         if handle == Handle::Lift {
             // As far as the pointer goes where the handle is.
-            let away = (lift_place(piece, &document.pane.view) - sight.camera.eye_m()).length();
+            let away = (lift_place(piece) - sight.camera.eye_m()).length();
             let [_, half_height] = sight.camera.half_extent();
             let metres_a_point = 2.0 * half_height * away / f64::from(sight.rect.height().max(1.0));
             piece.offset_m -= f64::from(by.y) * metres_a_point;
@@ -442,32 +440,29 @@ impl Viewport {
 }
 
 /// Where the handle is that lifts a piece.
-fn lift_place(piece: &Piece, view: &LiveView) -> DVec3 {
+fn lift_place(piece: &Piece) -> DVec3 {
     let [.., width_m, _] = piece.region_m;
-    piece_place(piece, view, [0.0, 0.0]) + DVec3::Y * (LIFT_AT * width_m * piece.scale)
+    piece_place(piece, [NUM_LINES / 2; 2]) + DVec3::Y * (LIFT_AT * width_m * piece.scale)
 }
 
-/// A place of a piece where it floats: as high as it was copied, and lifted.
-fn piece_place(piece: &Piece, view: &LiveView, share: [f64; 2]) -> DVec3 {
-    let (from_m, [x_m, z_m]) = piece.place_m(share);
-    let (height_m, _) = view.ground(from_m);
-    DVec3::new(x_m, f64::from(height_m) + piece.offset_m, z_m)
+/// Where lines of a piece cross where it floats: as high as it was copied, and lifted.
+fn piece_place(piece: &Piece, crossing: [u32; 2]) -> DVec3 {
+    let share = crossing.map(|line| 2.0 * f64::from(line) / f64::from(NUM_LINES) - 1.0);
+    let (_, [x_m, z_m]) = piece.place_m(share);
+    DVec3::new(x_m, f64::from(piece.net_m(crossing)) + piece.offset_m, z_m)
 }
 
 /// Draws a piece as a net where it floats, its edge on the ground, and its handles.
 fn sketch_piece(piece: &Piece, sketch: &Sketch, painter: &egui::Painter, document: &Document) {
     let view = &document.pane.view;
-    let share = |line: u32| 2.0 * f64::from(line) / f64::from(PIECE_LINES) - 1.0;
-    for line in 0..=PIECE_LINES {
-        let along = |step| piece_place(piece, view, [share(step), share(line)]);
-        sketch.fine_line(painter, (0..=PIECE_LINES).map(along));
-        let across = |step| piece_place(piece, view, [share(line), share(step)]);
-        sketch.fine_line(painter, (0..=PIECE_LINES).map(across));
+    for line in 0..=NUM_LINES {
+        sketch.fine_line(painter, (0..=NUM_LINES).map(|step| piece_place(piece, [step, line])));
+        sketch.fine_line(painter, (0..=NUM_LINES).map(|step| piece_place(piece, [line, step])));
     }
     let corners_m = piece.corners_m();
     sketch.line(painter, on_ground(view, &corners_m, true));
     for corner_m in corners_m.into_iter().chain([piece.turn_m()]) {
         sketch.handle(painter, place_on_ground(view, corner_m));
     }
-    sketch.handle(painter, lift_place(piece, view));
+    sketch.handle(painter, lift_place(piece));
 }
