@@ -1,5 +1,8 @@
 //! The program's window: input to the editor, the editor's frames to the screen.
 
+#[cfg(all(test, target_os = "linux"))]
+mod tests;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
