@@ -1,6 +1,7 @@
 //! The program's window: input to the editor, the editor's frames to the screen.
 
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(test)]
+#[cfg(target_os = "linux")]
 mod tests;
 
 use std::path::{Path, PathBuf};

@@ -150,7 +150,7 @@ impl Browser {
 
     fn go_up(&mut self, path: &mut String) {
         if let Some(parent) = folder_of(path).parent() {
-            self.go_to(&parent.to_owned(), path);
+            self.go_to(parent, path);
         }
     }
 

@@ -363,7 +363,9 @@ mod tests {
             let options = choice.options(Some(Format::Npy), 1.0, 0);
             [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|corner| options.turned(corner))
         };
-        let press: [(fn(&mut Choice), fn([f64; 2]) -> [f64; 2]); 4] = [
+        type Button = fn(&mut Choice);
+        type Expected = fn([f64; 2]) -> [f64; 2];
+        let press: [(Button, Expected); 4] = [
             (|choice| choice.turn(true), |[x, z]| [1.0 - z, x]),
             (|choice| choice.turn(false), |[x, z]| [z, 1.0 - x]),
             (|choice| choice.mirror(Flip::EastWest), |[x, z]| [1.0 - x, z]),
