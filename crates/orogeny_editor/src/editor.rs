@@ -164,6 +164,9 @@ impl Editor {
     /// Opens a terrain in the place of the one that is open.
     pub fn open(&mut self, path: &Path) {
         let wake = Arc::clone(&self.wake);
+        // The next start may be in another folder.
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let path = path.as_path();
         // The file is no one else's while it is open, not even this editor's.
         if self.document.as_ref().is_some_and(|document| document.path == path) {
             return;

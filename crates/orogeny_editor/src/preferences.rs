@@ -89,7 +89,8 @@ impl Preferences {
 
     /// Notes the folder of a file that was chosen.
     pub fn note_folder(&mut self, file: &Path) {
-        let Some(folder) = file.parent().filter(|folder| folder.is_absolute()) else { return };
+        let Ok(file) = std::path::absolute(file) else { return };
+        let Some(folder) = file.parent() else { return };
         self.folders.retain(|known| known != folder);
         self.folders.insert(0, folder.to_owned());
         self.folders.truncate(MAX_FOLDERS);
