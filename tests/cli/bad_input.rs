@@ -130,6 +130,12 @@ fn sizes_and_values_that_no_terrain_has() {
         ("import a.raw u.orogeny --size 10x10 --sample f64", &["f64"]),
         ("import a.raw u.orogeny --size 10x10 --sample u16 --range 5,1", &["--range"]),
         ("import a.raw u.orogeny --size 10x10 --sample u16 --at 5,1", &["--at"]),
+        (
+            "import a.raw u.orogeny --size 10x10 --sample u16 --rotate 45",
+            &["45 degrees", "0, 90, 180 or 270"],
+        ),
+        ("import a.raw u.orogeny --size 10x10 --sample u16 --rotate -90", &["--rotate"]),
+        ("import a.raw u.orogeny --size 10x10 --sample u16 --flip up", &["up", "east-west", "north-south"]),
         ("import a.raw t.orogeny --size 10x10 --sample u16 --at 64,0", &["outside"]),
         ("import a.raw t.orogeny --size 10x10 --sample u16 --at 1e300,0", &["outside"]),
         ("import a.raw t.orogeny --size 10x10 --sample u16 --spacing 2", &["2 m", "1 m"]),

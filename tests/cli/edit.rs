@@ -10,6 +10,8 @@ use serde_json::{Value, json};
 use crate::program::Folder;
 
 const WAIT: Duration = Duration::from_secs(120);
+/// What a frame takes at most on a busy machine: what is typed before a dialog is there is not for it.
+const FRAME: Duration = Duration::from_secs(3);
 /// The middle of the ground in the window.
 const MIDDLE: [i32; 2] = [700, 480];
 
@@ -139,6 +141,7 @@ fn a_person_paints_exports_is_cut_off_and_goes_on() {
     screen.key("ctrl+shift+z");
     until("it is done again", || applied(&folder) == ["stroke"]);
     screen.key("ctrl+p");
+    std::thread::sleep(FRAME);
     screen.words("add layer");
     screen.key("Return");
     until("there is a layer more", || applied(&folder) == ["stroke", "add_layer"]);
@@ -146,7 +149,7 @@ fn a_person_paints_exports_is_cut_off_and_goes_on() {
     until("it is drawn on", || applied(&folder) == ["stroke", "add_layer", "stroke"]);
 
     screen.key("ctrl+e");
-    std::thread::sleep(Duration::from_secs(1));
+    std::thread::sleep(FRAME);
     screen.key("ctrl+a");
     screen.words(folder.path("out.r32").to_str().unwrap());
     screen.key("Return");

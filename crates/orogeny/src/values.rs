@@ -5,7 +5,7 @@ use std::str::FromStr;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use orogeny_engine::{
-    Blend, ByteOrder, Cursor, Fit, HeightAt, LayerReference, MaskTerm, NodataPolicy, Place, SampleType,
+    Blend, ByteOrder, Cursor, Fit, Flip, HeightAt, LayerReference, MaskTerm, NodataPolicy, Place, SampleType,
 };
 
 /// Two whole numbers, as `4096x2048`.
@@ -178,6 +178,27 @@ impl From<Fitting> for Fit {
         match fitting {
             Fitting::Resample => Self::Resample,
             Fitting::Middle => Self::Middle,
+        }
+    }
+}
+
+/// Which sides of a raster change places.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Mirror {
+    /// East and west
+    EastWest,
+    /// North and south
+    NorthSouth,
+    /// Both, as half a turn does
+    Both,
+}
+
+impl From<Mirror> for Flip {
+    fn from(mirror: Mirror) -> Self {
+        match mirror {
+            Mirror::EastWest => Self::EastWest,
+            Mirror::NorthSouth => Self::NorthSouth,
+            Mirror::Both => Self::Both,
         }
     }
 }

@@ -22,6 +22,7 @@ impl Editor {
             Command::Import => self.panels.dialog = Some(Dialog::import(self)),
             Command::Export => self.panels.dialog = Some(Dialog::export(self)),
             Command::AddBrush => self.panels.dialog = Some(Dialog::add_brush(self)),
+            Command::AddPreset => self.panels.dialog = Some(Dialog::add_preset(self)),
             Command::Quit => self.request_close(),
             Command::Undo => self.travel("undo", Travel::Undo(1)),
             Command::Redo => self.travel("redo", Travel::Redo(1)),
@@ -33,9 +34,11 @@ impl Editor {
                 }
             }
             Command::LookDown => self.look_down(),
+            Command::SplitView => self.split_view(),
+            Command::SwitchView => self.switch_view(),
             Command::KeepPlace(number) => self.keep_place(number),
             Command::GoToPlace(number) => match (self.place(number), &mut self.document) {
-                (Some(place), Some(document)) => document.camera = place,
+                (Some(place), Some(document)) => document.pane.camera = place,
                 _ => self.tell(format!("no place was kept as {number} yet"), false),
             },
             Command::Compare => self.toggle_comparing(),
@@ -106,7 +109,8 @@ impl Editor {
     }
 
     fn cancel(&mut self) {
-        if self.panels.dialog.take().is_some() {
+        if let Some(dialog) = self.panels.dialog.take() {
+            self.panels.dialog = dialog.given_up();
             return;
         }
         self.end_comparing();
@@ -135,9 +139,33 @@ impl Editor {
         let places = self.preferences.places.entry(document.path.clone()).or_default();
         let index = usize::from(number).checked_sub(1);
         if let Some(place) = index.and_then(|index| places.get_mut(index)) {
-            *place = Some(document.camera);
+            *place = Some(document.pane.camera);
             self.remember();
             self.tell(format!("this place is kept as {number}"), false);
+        }
+    }
+
+    /// A second pane beside the one that is worked in, or that one alone again.
+    fn split_view(&mut self) {
+        let Some(document) = &mut self.document else { return };
+        if let Some(closed) = document.other.take() {
+            self.left_pictures.extend(closed.picture());
+            document.pane.is_right = false;
+            // What only the other one was compared with is no longer open.
+            if !document.is_compared() && document.past.is_some_and(|past| !past.is_seen) {
+                self.end_comparing();
+            }
+        } else if let Err(err) = document.split(&self.gpu) {
+            self.tell(err.to_string(), true);
+        }
+    }
+
+    /// What a hand is doing ends where it began.
+    pub(crate) fn switch_view(&mut self) {
+        if !self.viewport.is_busy()
+            && let Some(document) = &mut self.document
+        {
+            document.switch_panes();
         }
     }
 
@@ -147,10 +175,10 @@ impl Editor {
         document.frame_all([size.x, size.y]);
         let [width_m, depth_m] = document.size_m();
         let middle = glam::DVec3::new(width_m / 2.0, 0.0, depth_m / 2.0);
-        let high_m = f64::from(document.view.range_m()[1]);
-        let up_m = (document.camera.eye() - middle).length();
+        let high_m = f64::from(document.pane.view.range_m()[1]);
+        let up_m = (document.pane.camera.eye() - middle).length();
         let above = glam::DVec3::new(middle.x, high_m.max(0.0) + up_m, middle.z);
-        document.camera = CameraControl::looking_down(above);
+        document.pane.camera = CameraControl::looking_down(above);
     }
 
     /// Takes up a brush, to draw with it.
@@ -169,7 +197,7 @@ impl Editor {
     /// What was copied floats under the pointer, or where it was copied.
     fn paste(&mut self) {
         let Some(document) = &self.document else { return };
-        let Some(copied) = document.copied else {
+        let Some(copied) = &document.copied else {
             return self.tell("nothing was copied yet: select some ground and press Ctrl+C", false);
         };
         let [x_m, z_m, width_m, depth_m] = copied.region_m;
@@ -177,7 +205,7 @@ impl Editor {
             Some(place) => [place.x, place.z],
             None => [x_m + width_m / 2.0, z_m + depth_m / 2.0],
         };
-        self.viewport.piece = Some(Piece::new(copied, to_m));
+        self.viewport.piece = Some(Piece::new(copied, &document.path, to_m));
     }
 
     /// Blends what floats into the ground; it floats on where that cannot be.

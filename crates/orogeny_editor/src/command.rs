@@ -28,6 +28,10 @@ pub enum Command {
     FrameAll,
     /// Look straight down on all of it.
     LookDown,
+    /// See it from a second place beside the first, or no more.
+    SplitView,
+    /// Work in the other half of the view.
+    SwitchView,
     /// Keep where the eye is under a number.
     KeepPlace(u8),
     /// Go back there.
@@ -54,6 +58,8 @@ pub enum Command {
     TakeHeight,
     /// Add a brush that the user wrote.
     AddBrush,
+    /// Take a preset from a file.
+    AddPreset,
     /// Take a brush.
     Brush(BrushType),
     /// Have the left button do something.
@@ -155,7 +161,7 @@ impl Menu {
 
 impl Command {
     /// Those that stand alone, in the order of their menus.
-    const PLAIN: [Self; 49] = [
+    const PLAIN: [Self; 52] = [
         Self::New,
         Self::Open,
         Self::Import,
@@ -178,6 +184,8 @@ impl Command {
         Self::SeeEarlier,
         Self::FrameAll,
         Self::LookDown,
+        Self::SplitView,
+        Self::SwitchView,
         Self::ShowSelection,
         Self::ShowMap,
         Self::ShowHistogram,
@@ -191,6 +199,7 @@ impl Command {
         Self::CopyFromHere,
         Self::TakeHeight,
         Self::AddBrush,
+        Self::AddPreset,
         Self::AddLayer,
         Self::AddProcedure,
         Self::AddEffect,
@@ -234,6 +243,8 @@ impl Command {
             Self::Cancel => "cancel".to_owned(),
             Self::FrameAll => "frame_all".to_owned(),
             Self::LookDown => "look_down".to_owned(),
+            Self::SplitView => "split_view".to_owned(),
+            Self::SwitchView => "switch_view".to_owned(),
             Self::KeepPlace(number) => format!("keep_place.{number}"),
             Self::GoToPlace(number) => format!("go_to_place.{number}"),
             Self::Compare => "compare".to_owned(),
@@ -247,6 +258,7 @@ impl Command {
             Self::CopyFromHere => "copy_from_here".to_owned(),
             Self::TakeHeight => "take_height".to_owned(),
             Self::AddBrush => "add_brush".to_owned(),
+            Self::AddPreset => "add_preset".to_owned(),
             Self::AddLayer => "add_layer".to_owned(),
             Self::AddProcedure => "add_procedure".to_owned(),
             Self::AddEffect => "add_effect".to_owned(),
@@ -292,6 +304,8 @@ impl Command {
             Self::Cancel => "Cancel what is running".to_owned(),
             Self::FrameAll => "Show all of the terrain".to_owned(),
             Self::LookDown => "Look straight down".to_owned(),
+            Self::SplitView => "Split the view, or close the other half".to_owned(),
+            Self::SwitchView => "Work in the other half of the view".to_owned(),
             Self::KeepPlace(number) => format!("Keep this place as {number}"),
             Self::GoToPlace(number) => format!("Go to place {number}"),
             Self::Compare => "Compare with how it was before".to_owned(),
@@ -304,6 +318,7 @@ impl Command {
             Self::CopyFromHere => "Copy from under the pointer".to_owned(),
             Self::TakeHeight => "Take the height under the pointer".to_owned(),
             Self::AddBrush => "Add a brush of your own…".to_owned(),
+            Self::AddPreset => "Add a preset from a file…".to_owned(),
             Self::Copy => "Copy the selected ground".to_owned(),
             Self::Paste => "Paste as a floating piece".to_owned(),
             Self::PutDown => "Put the floating piece down".to_owned(),
@@ -347,6 +362,8 @@ impl Command {
             | Self::Hand(_) => Menu::Edit,
             Self::FrameAll
             | Self::LookDown
+            | Self::SplitView
+            | Self::SwitchView
             | Self::Mode(_)
             | Self::ShowSelection
             | Self::ShowMap
@@ -363,6 +380,7 @@ impl Command {
             | Self::CopyFromHere
             | Self::TakeHeight
             | Self::AddBrush
+            | Self::AddPreset
             | Self::Brush(_) => Menu::Brush,
             Self::AddLayer
             | Self::AddProcedure

@@ -9,6 +9,7 @@ use orogeny_engine::{EntryId, Mode};
 use crate::command::Command;
 use crate::document::Past;
 use crate::editor::Editor;
+use crate::pane::Pane;
 
 /// What is told where something is to be changed while it is not seen.
 const NOT_NOW: &str = "the terrain is seen as it was: go back to now (V or Esc), then change it";
@@ -55,9 +56,10 @@ impl Editor {
     /// Shows by how much the terrain differs from how it was before the last entry, or no more.
     pub(crate) fn toggle_comparing(&mut self) {
         match self.past() {
-            // It stays open, for more than a glance.
-            Some(Past { is_glance: true, entry, .. }) => self.compare_with(entry),
-            Some(_) => self.end_comparing(),
+            Some(_) if self.document.as_ref().is_some_and(|document| document.pane.is_compared) => {
+                self.stop_comparing();
+            }
+            Some(past) => self.compare_with(past.entry),
             None => self.look_back(false),
         }
     }
@@ -101,10 +103,23 @@ impl Editor {
     /// Shows the ground in a mode; that of the difference compares it.
     pub(crate) fn show_mode(&mut self, mode: Mode) {
         if mode != Mode::Difference {
-            self.end_comparing();
+            self.stop_comparing();
+            // What is opened next is shown so too.
             self.request.mode = mode;
+            if let Some(document) = &mut self.document {
+                document.pane.mode = mode;
+            }
         } else if self.mode() != mode {
             self.toggle_comparing();
+        }
+    }
+
+    /// Shows no difference where it is worked, and what it is compared with in no other pane is no longer open.
+    fn stop_comparing(&mut self) {
+        let Some(document) = &mut self.document else { return };
+        document.pane.is_compared = false;
+        if !document.is_compared() {
+            self.end_comparing();
         }
     }
 
@@ -129,20 +144,20 @@ impl Editor {
 
     fn open_past(&mut self, entry: EntryId, is_glance: bool) {
         let Some(document) = &mut self.document else { return };
-        if let Some(past) = document.past.as_mut().filter(|past| past.entry == entry) {
-            past.is_glance &= is_glance;
+        document.pane.is_compared |= !is_glance;
+        if document.past.is_some_and(|past| past.entry == entry) {
             return;
         }
         let ticket = document.session.open_past(entry);
         let seen = document.past.map(|Past { is_seen, is_held, .. }| (is_seen, is_held));
         let (is_seen, is_held) = seen.unwrap_or_default();
-        document.past = Some(Past { entry, ticket, is_glance, is_seen, is_held });
+        document.past = Some(Past { entry, ticket, is_seen, is_held });
         document.overview.note_changed();
         document.note(ticket, "look back");
     }
 
     fn see_now(&mut self) {
-        if self.past().is_some_and(|past| past.is_glance) {
+        if self.document.as_ref().is_some_and(|document| !document.is_compared()) {
             return self.end_comparing();
         }
         self.set_seen(false, false);
@@ -152,15 +167,14 @@ impl Editor {
         let Some(document) = &mut self.document else { return };
         let Some(past) = &mut document.past else { return };
         (past.is_seen, past.is_held) = (is_seen, is_held);
-        if let Err(err) = document.view.show_earlier(is_seen) {
+        if let Err(err) = document.show_earlier(is_seen) {
             self.tell(err.to_string(), true);
         }
     }
 
-    /// What people are told of what is compared, and how much full colour stands for, metres.
-    pub(crate) fn comparison(&self) -> Option<(String, Option<f32>)> {
-        let document = self.document.as_ref()?;
-        let past = document.past?;
+    /// What people are told of what is compared in a pane, and how much full colour stands for there, metres.
+    pub(crate) fn comparison(&self, pane: &Pane) -> Option<(String, Option<f32>)> {
+        let past = self.past()?;
         let when = match past.entry {
             EntryId::CREATION => "it was made".to_owned(),
             entry => format!("entry {entry}"),
@@ -168,7 +182,7 @@ impl Editor {
         if past.is_seen {
             return Some((format!("As it was after {when}: V or Esc goes back to now"), None));
         }
-        let most_m = document.view.difference_m(&self.request)?;
+        let most_m = pane.view.difference_m(&self.request).filter(|_| pane.is_compared)?;
         Some((format!("Since {when}: red {most_m:.2} m higher, blue {most_m:.2} m lower"), Some(most_m)))
     }
 }

@@ -1,17 +1,20 @@
 //! An open terrain: its session, what is drawn of it, and what is under way.
 
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use orogeny_engine::session::{Event, Session, Status, Ticket};
-use orogeny_engine::{EntryId, Gpu, Layer, LayerContent, LiveView, Progress, TerrainGrid, ViewRequest};
+use orogeny_engine::{EntryId, Gpu, Layer, LayerContent, LiveView, Mode, Progress, TerrainGrid};
 
 use crate::overview::Overview;
+use crate::pane::Pane;
 use crate::piece::Copied;
 use crate::{CameraControl, Result};
 
-/// Bytes of pages that are drawn from at most.
+/// Bytes of pages that a pane draws from at most: the first one, and one beside it.
 const DRAWN_BYTES: u64 = 512 << 20;
+const DRAWN_BYTES_BESIDE: u64 = 256 << 20;
 
 /// Something that was asked for and is not done yet.
 #[derive(Debug, Clone)]
@@ -40,8 +43,6 @@ pub struct Past {
     pub entry: EntryId,
     /// What opened it.
     pub ticket: Ticket,
-    /// Whether it is there for a glance alone, and not for the difference.
-    pub is_glance: bool,
     /// Whether it is seen in the place of how the terrain is.
     pub is_seen: bool,
     /// Whether that ends when the key is let go.
@@ -57,10 +58,14 @@ pub struct Document {
     pub session: Session,
     /// Layers, history and more, as last told.
     pub status: Status,
-    /// What draws it.
-    pub view: LiveView,
-    /// Where it is looked from.
-    pub camera: CameraControl,
+    /// Where it is seen and worked on.
+    pub pane: Pane,
+    /// Where it is seen too, while the view is split.
+    pub other: Option<Pane>,
+    /// How many panes there have been.
+    num_panes: u32,
+    /// Who asked for pages that have not come, the first one first: they come in that order.
+    pub asked: VecDeque<u32>,
     /// What was asked for and is not done, in order.
     pub jobs: Vec<Job>,
     /// The layer that is worked on, by its id.
@@ -69,7 +74,7 @@ pub struct Document {
     pub stroke: Option<Ticket>,
     /// All of it in few heights.
     pub overview: Overview,
-    /// What was copied of it.
+    /// What was copied, of it or of one that was open before.
     pub copied: Option<Copied>,
     /// Whether what is selected is to be copied as soon as it is known.
     pub is_copying: bool,
@@ -87,6 +92,7 @@ impl Document {
         status: Status,
         gpu: &Gpu,
         camera: Option<CameraControl>,
+        mode: Mode,
     ) -> Result<Self> {
         let view = LiveView::new(gpu, &status, DRAWN_BYTES)?;
         let camera = camera.unwrap_or_else(|| framing(&status, [16.0, 9.0]));
@@ -95,8 +101,10 @@ impl Document {
             path: path.to_owned(),
             session,
             status,
-            view,
-            camera,
+            pane: Pane::new(0, view, camera, mode),
+            other: None,
+            num_panes: 1,
+            asked: VecDeque::new(),
             jobs: Vec::new(),
             layer,
             stroke: None,
@@ -114,9 +122,66 @@ impl Document {
     /// When it has no memory for that.
     pub fn draw_on(&mut self, gpu: &Gpu) -> Result<()> {
         self.overview.forget_pictures();
-        self.view = LiveView::new(gpu, &self.status, DRAWN_BYTES)?;
-        self.view.show_earlier(self.past.is_some_and(|past| past.is_seen))?;
+        let is_seen = self.sees_earlier();
+        let status = &self.status;
+        let beside = self.other.iter_mut().map(|pane| (pane, DRAWN_BYTES_BESIDE));
+        for (pane, bytes) in std::iter::once((&mut self.pane, DRAWN_BYTES)).chain(beside) {
+            pane.draw_with(LiveView::new(gpu, status, bytes)?);
+            pane.view.show_earlier(is_seen)?;
+        }
         Ok(())
+    }
+
+    /// All panes: the one that is worked in first.
+    pub fn panes(&self) -> impl Iterator<Item = &Pane> {
+        std::iter::once(&self.pane).chain(&self.other)
+    }
+
+    /// As [`Self::panes`].
+    pub fn panes_mut(&mut self) -> impl Iterator<Item = &mut Pane> {
+        std::iter::once(&mut self.pane).chain(&mut self.other)
+    }
+
+    /// Shows it in a second pane too, from the same place at first.
+    ///
+    /// # Errors
+    /// When the device has no memory for that.
+    pub fn split(&mut self, gpu: &Gpu) -> Result<()> {
+        let mut view = LiveView::new(gpu, &self.status, DRAWN_BYTES_BESIDE)?;
+        view.show_earlier(self.sees_earlier())?;
+        let mut other = Pane::new(self.num_panes, view, self.pane.camera, self.pane.mode);
+        other.is_right = !self.pane.is_right;
+        self.num_panes += 1;
+        self.other = Some(other);
+        Ok(())
+    }
+
+    /// Works in the other pane from now on.
+    pub const fn switch_panes(&mut self) {
+        if let Some(other) = &mut self.other {
+            std::mem::swap(&mut self.pane, other);
+        }
+    }
+
+    fn sees_earlier(&self) -> bool {
+        self.past.is_some_and(|past| past.is_seen)
+    }
+
+    /// Sees the ground as it was, or as it is, in all panes.
+    ///
+    /// # Errors
+    /// When the device has no memory for that.
+    pub fn show_earlier(&mut self, is_earlier: bool) -> Result<()> {
+        for pane in self.panes_mut() {
+            pane.view.show_earlier(is_earlier)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a pane shows by how much it differs.
+    #[must_use]
+    pub fn is_compared(&self) -> bool {
+        self.panes().any(|pane| pane.is_compared)
     }
 
     /// What is compared is the terrain as it is, and nothing else, from now on.
@@ -127,14 +192,14 @@ impl Document {
         if self.past.take().is_some() {
             self.session.close_past();
             self.overview.note_changed();
-            self.view.show_earlier(false)?;
+            self.panes_mut().for_each(|pane| pane.is_compared = false);
+            self.show_earlier(false)?;
         }
         Ok(())
     }
 
-    /// Has the masks come that a picture needs.
-    pub fn show_masks(&mut self, request: &ViewRequest) {
-        let names = self.view.masks(request);
+    /// Has the masks come that pictures need. They come with all pages, so there is one set of them for all panes.
+    pub fn show_masks(&mut self, names: Vec<String>) {
         if names != self.shown_masks {
             self.session.show_masks(names.clone());
             self.shown_masks = names;
@@ -143,7 +208,7 @@ impl Document {
 
     /// Shows all of it.
     pub fn frame_all(&mut self, size: [f32; 2]) {
-        self.camera = framing(&self.status, size);
+        self.pane.camera = framing(&self.status, size);
     }
 
     /// Notes that something was asked for.
@@ -160,7 +225,13 @@ impl Document {
     pub fn take_events(&mut self) -> Result<Vec<Message>> {
         let mut messages = Vec::new();
         for event in self.session.events() {
-            self.view.take(&event)?;
+            // Pages are for the one that asked for them, all else for all.
+            let asked = matches!(event, Event::Pages(_)).then(|| self.asked.pop_front());
+            for pane in self.panes_mut() {
+                if asked.is_none_or(|asked| asked == Some(pane.number)) {
+                    pane.view.take(&event)?;
+                }
+            }
             match event {
                 Event::Status(status) => self.take_status(*status),
                 Event::Progress { ticket, progress } => {
@@ -217,9 +288,11 @@ impl Document {
             return None;
         }
         self.is_copying = false;
-        self.copied = self.overview.survey().and_then(Copied::selected);
-        Some(match self.copied {
-            Some(Copied { region_m: [.., width_m, depth_m] }) => {
+        let height_m = |place_m| self.pane.view.ground(place_m).0;
+        let survey = self.overview.survey();
+        self.copied = survey.and_then(|survey| Copied::selected(&self.path, survey, height_m));
+        Some(match &self.copied {
+            Some(Copied { region_m: [.., width_m, depth_m], .. }) => {
                 let text = format!(
                     "{width_m:.0} m x {depth_m:.0} m are copied: Ctrl+V has them float over the ground"
                 );
@@ -253,7 +326,7 @@ impl Document {
     /// The hand is lifted, or what it draws came to nothing.
     pub fn end_stroke(&mut self) {
         self.stroke = None;
-        self.view.hold_still(false);
+        self.panes_mut().for_each(|pane| pane.view.hold_still(false));
     }
 
     /// The layer that is worked on.

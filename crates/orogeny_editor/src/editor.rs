@@ -22,6 +22,7 @@ use crate::keymap::Keymap;
 use crate::log::Log;
 use crate::measure::Measurement;
 use crate::own_brushes::OwnBrushes;
+use crate::pane::Pane;
 use crate::panels::{Dialog, Panels};
 use crate::piece::Piece;
 use crate::preferences::Preferences;
@@ -92,10 +93,8 @@ pub struct Editor {
     is_closing: bool,
     /// When preferences were last looked at.
     remembered: Instant,
-    /// The picture of the viewport as egui knows it.
-    pub(crate) picture: Option<TextureId>,
-    /// Whether what is drawn went into a new texture.
-    pub(crate) is_picture_new: bool,
+    /// Pictures that egui knows and that are shown no more.
+    pub(crate) left_pictures: Vec<TextureId>,
 }
 
 impl std::fmt::Debug for Editor {
@@ -149,8 +148,7 @@ impl Editor {
             messages: wrong.into_iter().collect(),
             is_closing: false,
             remembered: Instant::now(),
-            picture: None,
-            is_picture_new: true,
+            left_pictures: Vec::new(),
         }
     }
 
@@ -166,6 +164,9 @@ impl Editor {
     /// Opens a terrain in the place of the one that is open.
     pub fn open(&mut self, path: &Path) {
         let wake = Arc::clone(&self.wake);
+        // The next start may be in another folder.
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let path = path.as_path();
         // The file is no one else's while it is open, not even this editor's.
         if self.document.as_ref().is_some_and(|document| document.path == path) {
             return;
@@ -202,8 +203,7 @@ impl Editor {
     /// Draws on another device from now on: the old one was lost.
     pub fn set_gpu(&mut self, gpu: Gpu) {
         self.gpu = gpu;
-        self.picture = None;
-        self.is_picture_new = true;
+        self.left_pictures.clear();
         self.thumbnails.forget();
         let Some(document) = &mut self.document else { return };
         if let Err(err) = document.draw_on(&self.gpu) {
@@ -243,13 +243,17 @@ impl Editor {
         self.remember();
         let Opening { path, session } = opening;
         let camera = self.preferences.cameras.get(&path).copied();
-        match Document::new(&path, session, status, &self.gpu, camera) {
-            Ok(document) => {
+        match Document::new(&path, session, status, &self.gpu, camera, self.request.mode) {
+            Ok(mut document) => {
                 self.tool.set_terrain(&document.status);
                 self.panels.selecting.set_terrain(&document.status);
                 (self.viewport.tape_m, self.viewport.piece) = (None, None);
+                if let Some(before) = self.document.take() {
+                    self.left_pictures.extend(before.panes().filter_map(Pane::picture));
+                    // It is read from its file when it is put down.
+                    document.copied = before.copied;
+                }
                 self.document = Some(document);
-                self.is_picture_new = true;
                 self.preferences.note_opened(&path);
                 self.remember();
             }
@@ -261,7 +265,7 @@ impl Editor {
     pub fn remember(&mut self) {
         self.remembered = Instant::now();
         if let Some(document) = &self.document {
-            self.preferences.cameras.insert(document.path.clone(), document.camera);
+            self.preferences.cameras.insert(document.path.clone(), document.pane.camera);
         }
         self.preferences.brush = self.tool.brush_type.name().to_owned();
         self.preferences.brushes.clone_from(&self.tool.objects);
@@ -315,15 +319,17 @@ impl Editor {
     /// Where the eye is.
     #[must_use]
     pub fn camera(&self) -> Option<CameraControl> {
-        self.document.as_ref().map(|document| document.camera)
+        self.document.as_ref().map(|document| document.pane.camera)
     }
 
     /// How the ground is shown.
     #[must_use]
     pub fn mode(&self) -> Mode {
-        let shows_difference = |document: &Document| document.past.is_some_and(|past| !past.is_glance);
-        let is_compared = self.document.as_ref().is_some_and(shows_difference);
-        if is_compared { Mode::Difference } else { self.request.mode }
+        match self.document.as_ref().map(|document| &document.pane) {
+            Some(pane) if pane.is_compared => Mode::Difference,
+            Some(pane) => pane.mode,
+            None => self.request.mode,
+        }
     }
 
     /// The brush in the hand.
@@ -349,7 +355,9 @@ impl Editor {
     pub fn measured(&self) -> Option<Measurement> {
         let (document, tape_m) = (self.document.as_ref()?, self.viewport.tape_m?);
         let spacing_m = document.status.grid.spacing_m();
-        Some(Measurement::between(tape_m, spacing_m, |place_m| f64::from(document.view.ground(place_m).0)))
+        Some(Measurement::between(tape_m, spacing_m, |place_m| {
+            f64::from(document.pane.view.ground(place_m).0)
+        }))
     }
 
     /// The radius of the brush in the hand, metres.
@@ -411,7 +419,9 @@ impl Editor {
     #[must_use]
     pub fn is_settled(&self) -> bool {
         let is_settled = |document: &Document| {
-            document.jobs.is_empty() && document.view.is_complete() && !document.overview.is_waiting()
+            document.jobs.is_empty()
+                && document.panes().all(|pane| pane.view.is_complete())
+                && !document.overview.is_waiting()
         };
         self.opening.is_none()
             && !self.thumbnails.is_waiting()
@@ -422,7 +432,7 @@ impl Editor {
     /// Whether another frame is wanted without anything happening.
     #[must_use]
     pub fn wants_frame(&self) -> bool {
-        let is_waiting = |document: &Document| document.view.is_waiting();
+        let is_waiting = |document: &Document| document.panes().any(|pane| pane.view.is_waiting());
         self.viewport.is_busy() || self.document.as_ref().is_some_and(is_waiting)
     }
 
@@ -465,12 +475,7 @@ impl Editor {
             return self.open(file);
         }
         if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
-            // One of that name stays as it is.
-            let kept = Preset::read(file).and_then(|preset| self.options.presets.save(&preset, false));
-            return match kept {
-                Ok(path) => self.tell(format!("the preset was kept as `{}`", path.display()), false),
-                Err(err) => self.tell(err.to_string(), true),
-            };
+            return self.add_preset(file);
         }
         match Format::from_path(file, Direction::Import) {
             Ok(_) if self.document.is_some() => {
@@ -478,6 +483,14 @@ impl Editor {
             }
             Ok(_) => self.tell("open a terrain, or make one: then drop the heights on it again", true),
             Err(err) => self.tell(format!("`{}`: {err}", file.display()), true),
+        }
+    }
+
+    /// Keeps a preset that someone gave; one of its name stays as it is.
+    pub(crate) fn add_preset(&mut self, file: &Path) {
+        match Preset::read(file).and_then(|preset| self.options.presets.save(&preset, false)) {
+            Ok(path) => self.tell(format!("the preset was kept as `{}`", path.display()), false),
+            Err(err) => self.tell(err.to_string(), true),
         }
     }
 
@@ -511,7 +524,7 @@ impl Editor {
             return;
         }
         let Some(document) = &mut self.document else { return };
-        match self.tool.fill(document.layer, &self.options.presets) {
+        match self.tool.fill(document.layer, document.has_only_mask(), &self.options.presets) {
             Ok(operation) => {
                 let what = format!("fill {}", self.tool.brush_type.name());
                 let ticket = document.session.apply(vec![operation]);

@@ -123,6 +123,8 @@ impl Keymap {
             (Command::Cancel, key(Key::Escape)),
             (Command::FrameAll, key(Key::F)),
             (Command::LookDown, key(Key::T)),
+            (Command::SplitView, control(Key::Backslash)),
+            (Command::SwitchView, key(Key::Backslash)),
             (Command::Larger, key(Key::CloseBracket)),
             (Command::Smaller, key(Key::OpenBracket)),
             (Command::Stronger, key(Key::Equals)),

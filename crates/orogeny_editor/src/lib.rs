@@ -22,6 +22,7 @@ mod measure;
 mod outline;
 mod overview;
 mod own_brushes;
+mod pane;
 mod panels;
 mod piece;
 mod preferences;

@@ -1,5 +1,7 @@
 //! A floating piece of ground: what was copied, on its way to where it is put down.
 
+use std::path::{Path, PathBuf};
+
 use orogeny_engine::session::Survey;
 use serde_json::{Value, json};
 
@@ -15,18 +17,37 @@ const SCALES: [f64; 2] = [0.05, 20.0];
 /// How far beyond its edge the handle for turning is, in halves of its depth.
 const TURN_AT: f64 = 1.3;
 
+/// Lines that a floating piece is drawn with, each way.
+pub const NUM_LINES: u32 = 12;
+
 /// What was copied.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Copied {
+    /// The terrain that it was copied from.
+    pub path: PathBuf,
     /// `[x, z, width, depth]` in metres.
     pub region_m: [f64; 4],
+    /// How high it is where its lines cross, metres, row by row.
+    net_m: Vec<f32>,
 }
 
 impl Copied {
-    /// What is selected; `None` where nothing is.
+    /// What is selected of a terrain, whose heights `height_m` tells; `None` where nothing is.
     #[must_use]
-    pub fn selected(survey: &Survey) -> Option<Self> {
-        survey.selected_m.map(|region_m| Self { region_m })
+    pub fn selected(path: &Path, survey: &Survey, height_m: impl Fn([f64; 2]) -> f32) -> Option<Self> {
+        survey.selected_m.map(|region_m| Self::of(path, region_m, height_m))
+    }
+
+    fn of(
+        path: &Path,
+        region_m @ [x_m, z_m, width_m, depth_m]: [f64; 4],
+        height_m: impl Fn([f64; 2]) -> f32,
+    ) -> Self {
+        let share = |line: u32| f64::from(line) / f64::from(NUM_LINES);
+        let crossing = |row, column| height_m([x_m + share(column) * width_m, z_m + share(row) * depth_m]);
+        let rows = (0..=NUM_LINES).flat_map(|row| (0..=NUM_LINES).map(move |column| (row, column)));
+        let net_m = rows.map(|(row, column)| crossing(row, column)).collect();
+        Self { path: path.to_owned(), region_m, net_m }
     }
 }
 
@@ -48,6 +69,10 @@ pub enum Handle {
 pub struct Piece {
     /// Where it was copied, `[x, z, width, depth]` in metres.
     pub region_m: [f64; 4],
+    /// The terrain that it was copied from, where that is another one than it is put down in.
+    pub from: Option<PathBuf>,
+    /// How high it is where its lines cross, metres, row by row.
+    net_m: Vec<f32>,
     /// Where its middle comes to lie, `[x, z]` in metres.
     pub to_m: [f64; 2],
     /// Turned from x towards z, degrees.
@@ -63,11 +88,13 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// What was copied, over a place.
+    /// What was copied, over a place of a terrain.
     #[must_use]
-    pub const fn new(copied: Copied, to_m: [f64; 2]) -> Self {
+    pub fn new(copied: &Copied, terrain: &Path, to_m: [f64; 2]) -> Self {
         Self {
             region_m: copied.region_m,
+            from: (copied.path != terrain).then(|| copied.path.clone()),
+            net_m: copied.net_m.clone(),
             to_m,
             rotation_degrees: 0.0,
             scale: 1.0,
@@ -94,6 +121,13 @@ impl Piece {
         let (sin, cos) = self.rotation_degrees.to_radians().sin_cos();
         let turned = [x * cos - z * sin, x * sin + z * cos].map(|along| along * self.scale);
         (from_m, [self.to_m[0] + turned[0], self.to_m[1] + turned[1]])
+    }
+
+    /// How high it was where lines of its net cross, which are counted from its north-western corner on, metres.
+    #[must_use]
+    pub fn net_m(&self, [column, row]: [u32; 2]) -> f32 {
+        let index = row * (NUM_LINES + 1) + column;
+        self.net_m.get(index as usize).copied().unwrap_or_default()
     }
 
     /// Its corners where they come to lie, once around.
@@ -134,11 +168,11 @@ impl Piece {
         }
     }
 
-    /// The operation that puts it down on a layer.
+    /// The operation that puts it down on a layer. Of another terrain all of the region is taken: the selection is that of this one.
     #[must_use]
     pub fn put_down_json(&self, layer: u32) -> Value {
         let (blend, _) = BLENDS.get(self.blend).copied().unwrap_or(BLENDS[0]);
-        json!({
+        let mut operation = json!({
             "op": "fill",
             "layer": layer,
             "brush": {"type": "clone", "blend": blend, "source": {
@@ -150,7 +184,13 @@ impl Piece {
                 "mirrored": self.is_mirrored,
                 "height_offset": self.offset_m,
             }},
-        })
+        });
+        let source = operation.pointer_mut("/brush/source").and_then(Value::as_object_mut);
+        if let (Some(from), Some(source)) = (&self.from, source) {
+            source.remove("selection");
+            source.insert("file".to_owned(), from.display().to_string().into());
+        }
+        operation
     }
 }
 
@@ -161,7 +201,9 @@ mod tests {
     use super::*;
 
     fn piece() -> Piece {
-        Piece::new(Copied { region_m: [100.0, 200.0, 40.0, 60.0] }, [500.0, 300.0])
+        let path = Path::new("t.orogeny");
+        let copied = Copied::of(path, [100.0, 200.0, 40.0, 60.0], |[x_m, z_m]| (x_m + 1000.0 * z_m) as f32);
+        Piece::new(&copied, path, [500.0, 300.0])
     }
 
     fn is_near(a: [f64; 2], b: [f64; 2]) -> bool {
@@ -197,6 +239,21 @@ mod tests {
         assert!((piece.scale - 1.0).abs() < 1.0e-9);
         piece.drag(Handle::Corner, [500.0 + 3.0 * (corner[0] - 500.0), 400.0 + 3.0 * (corner[1] - 400.0)]);
         assert!((piece.scale - 3.0).abs() < 1.0e-9);
+    }
+
+    #[test]
+    fn its_net_is_as_high_as_it_was_copied() {
+        let piece = piece();
+        for (crossing, share) in [([0, 0], [-1.0, -1.0]), ([12, 0], [1.0, -1.0]), ([6, 12], [0.0, 1.0])] {
+            let ([x_m, z_m], _) = piece.place_m(share);
+            assert_eq!(f64::from(piece.net_m(crossing)), x_m + 1000.0 * z_m);
+        }
+        let source = piece.put_down_json(1)["brush"]["source"].clone();
+        assert!(source["selection"] == true && source.get("file").is_none());
+        let elsewhere = Piece { from: Some("u.orogeny".into()), ..piece };
+        let source = elsewhere.put_down_json(1)["brush"]["source"].clone();
+        assert!(source.get("selection").is_none() && source["file"] == "u.orogeny");
+        Operation::from_json_text(&elsewhere.put_down_json(1).to_string()).unwrap();
     }
 
     #[test]

@@ -10,6 +10,8 @@ use crate::{CameraControl, Error, Habit, Keymap, Result};
 
 /// Files that are offered again at most.
 const MAX_RECENT: usize = 12;
+/// Folders that are offered again at most.
+const MAX_FOLDERS: usize = 8;
 /// Places to look from that are kept for each terrain.
 pub const NUM_PLACES: u8 = 4;
 
@@ -22,6 +24,8 @@ pub type Places = [Option<CameraControl>; NUM_PLACES as usize];
 pub struct Preferences {
     /// Terrains that were open, the last one first.
     pub recent: Vec<PathBuf>,
+    /// Folders that files were chosen from, the last one first.
+    pub folders: Vec<PathBuf>,
     /// Where the eye was in each of them, by its path.
     pub cameras: BTreeMap<PathBuf, CameraControl>,
     /// Places to look from that were kept, by the terrain's path.
@@ -81,6 +85,29 @@ impl Preferences {
         self.recent.insert(0, path.to_owned());
         self.recent.truncate(MAX_RECENT);
         self.cameras.retain(|known, _| self.recent.contains(known));
+    }
+
+    /// Notes the folder of a file that was chosen.
+    pub fn note_folder(&mut self, file: &Path) {
+        let Ok(file) = std::path::absolute(file) else { return };
+        let Some(folder) = file.parent() else { return };
+        self.folders.retain(|known| known != folder);
+        self.folders.insert(0, folder.to_owned());
+        self.folders.truncate(MAX_FOLDERS);
+    }
+
+    /// Folders that files were chosen from, then those of terrains that were open, each once; of those that are still there.
+    #[must_use]
+    pub fn folders(&self) -> Vec<PathBuf> {
+        let of_terrains = self.recent.iter().filter_map(|path| path.parent()).map(Path::to_owned);
+        let mut folders: Vec<PathBuf> = Vec::new();
+        for folder in self.folders.iter().cloned().chain(of_terrains) {
+            if !folders.contains(&folder) && folder.is_dir() {
+                folders.push(folder);
+            }
+        }
+        folders.truncate(MAX_FOLDERS);
+        folders
     }
 
     /// Its keys.

@@ -57,16 +57,31 @@ impl Thumbnails {
 
     /// The picture of a brush; until it is drawn, the one before.
     pub fn of(&mut self, ctx: &Context, brush: &Map<String, Value>) -> Option<TextureHandle> {
+        if let Some(texture) = self.known(ctx, brush) {
+            self.last = texture;
+        }
+        self.last.clone()
+    }
+
+    /// The picture of a brush among many; `None` until it is drawn.
+    pub fn of_list(&mut self, ctx: &Context, brush: &Map<String, Value>) -> Option<TextureHandle> {
+        self.known(ctx, brush).flatten()
+    }
+
+    /// What is known of a picture, which is asked for if it was not yet; `Some(None)`: it cannot be drawn.
+    fn known(&mut self, ctx: &Context, brush: &Map<String, Value>) -> Option<Option<TextureHandle>> {
         self.take_made(ctx);
         let key = Value::from(brush.clone()).to_string();
-        if let Some(texture) = self.drawn.get(&key) {
-            self.last.clone_from(texture);
-        } else if self.awaited.insert(key.clone()) && self.asked.send((key.clone(), brush.clone())).is_err() {
+        let known = self.drawn.get(&key).cloned();
+        if known.is_none()
+            && self.awaited.insert(key.clone())
+            && self.asked.send((key.clone(), brush.clone())).is_err()
+        {
             // There is no one to draw it.
             self.awaited.remove(&key);
             self.drawn.insert(key, None);
         }
-        self.last.clone()
+        known
     }
 
     /// Forgets what was drawn: the device that it was on is lost.

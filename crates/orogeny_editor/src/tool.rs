@@ -287,16 +287,16 @@ impl Tool {
         }
     }
 
-    /// The same brush over all of a layer.
+    /// The same brush over all of a layer, or of its mask where that is all that can be painted on.
     ///
     /// # Errors
     /// What is wrong with its parameters.
-    pub fn fill(&mut self, layer: u32, presets: &Presets) -> Result<Operation> {
+    pub fn fill(&mut self, layer: u32, is_on_mask: bool, presets: &Presets) -> Result<Operation> {
         self.next_seed();
         let mut brush = self.painted_json(Twist::None);
         brush.remove("radius");
         let value = json!({
-            "op": "fill", "seed": self.seed, "layer": layer, "target": self.target(false), "brush": brush,
+            "op": "fill", "seed": self.seed, "layer": layer, "target": self.target(is_on_mask), "brush": brush,
         });
         Ok(Operation::from_json_with(value, presets)?)
     }

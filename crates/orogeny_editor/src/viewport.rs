@@ -1,13 +1,14 @@
 //! The ground in the window: what mouse and keys do over it.
 
-use egui::{Event, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2};
+use egui::{Event, Key, PointerButton, Pos2, Rect, Response, Ui, Vec2};
 use glam::DVec3;
-use orogeny_engine::{BrushOperation, Camera, Cursor, LiveView, SelectCombine, ViewRequest};
+use orogeny_engine::{BrushOperation, Camera, Cursor, SelectCombine, ViewRequest};
 
 use crate::document::Document;
 use crate::hand::{Hand, combine_of, corners_m};
 use crate::outline::{Sketch, on_ground, place_on_ground};
-use crate::piece::{Handle, Piece};
+use crate::pane::{Pane, size_px};
+use crate::piece::{Handle, NUM_LINES, Piece};
 use crate::tool::Twist;
 
 /// Of the distance to what is looked at, what is flown in a second.
@@ -18,8 +19,6 @@ const MIN_FLY_M: f64 = 2.0;
 const WHEEL_STEP: f32 = 50.0;
 /// How near to a handle the pointer takes hold of it, in points.
 const HANDLE_REACH: f32 = 12.0;
-/// Lines that a floating piece is drawn with, each way.
-const PIECE_LINES: u32 = 12;
 /// How far above its middle the handle that lifts it is, in halves of its width.
 const LIFT_AT: f64 = 0.5;
 /// Points on the screen that the pointer moves at least from one corner of a lasso to the next.
@@ -133,16 +132,14 @@ impl Viewport {
         self.grip = Grip::None;
     }
 
-    /// Takes the room that is left, and what mouse and keys do there. Gives the room, and what is wished.
+    /// Takes what mouse and keys do in the pane that is worked in, over a room. Gives what is wished.
     pub fn show(
         &mut self,
-        ui: &mut Ui,
+        ui: &Ui,
+        response: &Response,
         document: &mut Document,
         request: &mut ViewRequest,
-        pixels_per_point: f32,
-    ) -> (Rect, [u32; 2], Vec<Wish>) {
-        let size = ui.available_size().max(Vec2::splat(16.0));
-        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    ) -> Vec<Wish> {
         response.widget_info(|| {
             egui::WidgetInfo::labeled(
                 egui::Role::Image,
@@ -150,12 +147,26 @@ impl Viewport {
                 "The terrain: draw on it with the left mouse button",
             )
         });
-        self.size = size;
-        let size_px = [size.x, size.y].map(|side| ((side * pixels_per_point) as u32).clamp(1, 8192));
-        let sight = Sight { camera: document.camera.camera(size_px), rect, size_px };
-        let wishes = self.handle(ui, &response, &sight, document, request);
-        self.fly(ui, &response, document);
-        (rect, size_px, wishes)
+        let rect = response.rect;
+        self.size = rect.size();
+        let size_px = size_px(self.size, ui.ctx().pixels_per_point());
+        let sight = Sight { camera: document.pane.camera.camera(size_px), rect, size_px };
+        let wishes = self.handle(ui, response, &sight, document, request);
+        self.fly(ui, response, document);
+        wishes
+    }
+
+    /// Takes where the pointer is over the ground in the other pane: there too it is seen what a press would do.
+    pub fn hover(&mut self, ui: &Ui, response: &Response, pane: &Pane) {
+        let told = "The terrain from elsewhere: a press works on it here";
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, told));
+        if self.grip != Grip::None || !response.contains_pointer() {
+            return;
+        }
+        let Some(at) = ui.input(|input| input.pointer.latest_pos()) else { return };
+        let (rect, size_px) = (response.rect, size_px(response.rect.size(), ui.ctx().pixels_per_point()));
+        let sight = Sight { camera: pane.camera.camera(size_px), rect, size_px };
+        self.hovered = pane.view.pick(sight.camera.eye_m(), sight.direction(at));
     }
 
     fn handle(
@@ -216,7 +227,7 @@ impl Viewport {
                                 _ => Twist::None,
                             }));
                             self.stroke_start_s = now_s;
-                            document.view.hold_still(true);
+                            document.pane.view.hold_still(true);
                             points.extend(self.point(pos, now_s, sight, document));
                             Grip::Drawing
                         }
@@ -256,7 +267,7 @@ impl Viewport {
                     };
                     let place = at.and_then(|at| self.meet(at, sight, document));
                     if let Some(place) = place {
-                        document.camera.dolly(place, f64::from(steps));
+                        document.pane.camera.dolly(place, f64::from(steps));
                     }
                 }
                 _ => {}
@@ -265,7 +276,7 @@ impl Viewport {
         wishes.extend((!points.is_empty()).then_some(Wish::Points(points)));
         self.hovered = at
             .filter(|_| is_over && self.grip != Grip::Looking)
-            .and_then(|at| document.view.pick(sight.camera.eye_m(), sight.direction(at)));
+            .and_then(|at| document.pane.view.pick(sight.camera.eye_m(), sight.direction(at)));
         self.last = self.hovered.or(self.last);
         wishes
     }
@@ -280,9 +291,9 @@ impl Viewport {
         request: &mut ViewRequest,
     ) {
         match self.grip {
-            Grip::Looking => document.camera.look([by.x, by.y]),
-            Grip::Orbiting(place) => document.camera.orbit(place, [by.x, by.y]),
-            Grip::Dragging(place) => document.camera.drag(place, sight.direction(to)),
+            Grip::Looking => document.pane.camera.look([by.x, by.y]),
+            Grip::Orbiting(place) => document.pane.camera.orbit(place, [by.x, by.y]),
+            Grip::Dragging(place) => document.pane.camera.drag(place, sight.direction(to)),
             Grip::Sunning => {
                 let azimuth = request.sun_azimuth_degrees + f64::from(by.x * SUN_TURN);
                 request.sun_azimuth_degrees = azimuth.rem_euclid(360.0);
@@ -318,8 +329,8 @@ impl Viewport {
         let sketch = Sketch::new(sight.camera, sight.rect);
         let is_at =
             |place: DVec3| sketch.seen_at(place).is_some_and(|seen| (seen - at).length() <= HANDLE_REACH);
-        let view = &document.view;
-        if is_at(lift_place(piece, view)) {
+        let view = &document.pane.view;
+        if is_at(lift_place(piece)) {
             return Some(Handle::Lift);
         }
         if is_at(place_on_ground(view, piece.turn_m())) {
@@ -339,7 +350,7 @@ impl Viewport {
         let Some(piece) = &mut self.piece else { return };
         if handle == Handle::Lift {
             // As far as the pointer goes where the handle is.
-            let away = (lift_place(piece, &document.view) - sight.camera.eye_m()).length();
+            let away = (lift_place(piece) - sight.camera.eye_m()).length();
             let [_, half_height] = sight.camera.half_extent();
             let metres_a_point = 2.0 * half_height * away / f64::from(sight.rect.height().max(1.0));
             piece.offset_m -= f64::from(by.y) * metres_a_point;
@@ -352,7 +363,7 @@ impl Viewport {
     pub fn sketch(&self, ui: &Ui, rect: Rect, camera: Camera, document: &Document) {
         let painter = ui.painter().with_clip_rect(rect);
         let sketch = Sketch::new(camera, rect);
-        let view = &document.view;
+        let view = &document.pane.view;
         match (self.grip, self.hand, self.path_m.as_slice()) {
             (Grip::Outlining(_), Hand::Rectangle, [from_m, to_m]) => {
                 sketch.line(&painter, on_ground(view, &corners_m(*from_m, *to_m), true));
@@ -388,8 +399,8 @@ impl Viewport {
 
     fn meet(&self, at: Pos2, sight: &Sight, document: &Document) -> Option<DVec3> {
         let (eye, direction) = (sight.camera.eye_m(), sight.direction(at));
-        document.view.pick(eye, direction).or_else(|| {
-            let [low_m, high_m] = document.view.range_m().map(f64::from);
+        document.pane.view.pick(eye, direction).or_else(|| {
+            let [low_m, high_m] = document.pane.view.range_m().map(f64::from);
             let height_m = self.last.map_or(f64::midpoint(low_m, high_m), |last| last.y);
             let distance = (height_m - eye.y) / direction.y;
             // Towards the sky, and further off than one can point, there is nothing.
@@ -410,9 +421,9 @@ impl Viewport {
         if held == [0.0; 3] {
             return;
         }
-        let away = self.last.map_or(100.0, |last| (last - document.camera.eye()).length());
+        let away = self.last.map_or(100.0, |last| (last - document.pane.camera.eye()).length());
         let speed = (FLY_SHARE * away).max(MIN_FLY_M) * if is_fast { 4.0 } else { 1.0 } * dt_s;
-        document.camera.fly(held.map(|along| along * speed));
+        document.pane.camera.fly(held.map(|along| along * speed));
         ui.ctx().request_repaint();
     }
 
@@ -429,32 +440,29 @@ impl Viewport {
 }
 
 /// Where the handle is that lifts a piece.
-fn lift_place(piece: &Piece, view: &LiveView) -> DVec3 {
+fn lift_place(piece: &Piece) -> DVec3 {
     let [.., width_m, _] = piece.region_m;
-    piece_place(piece, view, [0.0, 0.0]) + DVec3::Y * (LIFT_AT * width_m * piece.scale)
+    piece_place(piece, [NUM_LINES / 2; 2]) + DVec3::Y * (LIFT_AT * width_m * piece.scale)
 }
 
-/// A place of a piece where it floats: as high as it was copied, and lifted.
-fn piece_place(piece: &Piece, view: &LiveView, share: [f64; 2]) -> DVec3 {
-    let (from_m, [x_m, z_m]) = piece.place_m(share);
-    let (height_m, _) = view.ground(from_m);
-    DVec3::new(x_m, f64::from(height_m) + piece.offset_m, z_m)
+/// Where lines of a piece cross where it floats: as high as it was copied, and lifted.
+fn piece_place(piece: &Piece, crossing: [u32; 2]) -> DVec3 {
+    let share = crossing.map(|line| 2.0 * f64::from(line) / f64::from(NUM_LINES) - 1.0);
+    let (_, [x_m, z_m]) = piece.place_m(share);
+    DVec3::new(x_m, f64::from(piece.net_m(crossing)) + piece.offset_m, z_m)
 }
 
 /// Draws a piece as a net where it floats, its edge on the ground, and its handles.
 fn sketch_piece(piece: &Piece, sketch: &Sketch, painter: &egui::Painter, document: &Document) {
-    let view = &document.view;
-    let share = |line: u32| 2.0 * f64::from(line) / f64::from(PIECE_LINES) - 1.0;
-    for line in 0..=PIECE_LINES {
-        let along = |step| piece_place(piece, view, [share(step), share(line)]);
-        sketch.fine_line(painter, (0..=PIECE_LINES).map(along));
-        let across = |step| piece_place(piece, view, [share(line), share(step)]);
-        sketch.fine_line(painter, (0..=PIECE_LINES).map(across));
+    let view = &document.pane.view;
+    for line in 0..=NUM_LINES {
+        sketch.fine_line(painter, (0..=NUM_LINES).map(|step| piece_place(piece, [step, line])));
+        sketch.fine_line(painter, (0..=NUM_LINES).map(|step| piece_place(piece, [line, step])));
     }
     let corners_m = piece.corners_m();
     sketch.line(painter, on_ground(view, &corners_m, true));
     for corner_m in corners_m.into_iter().chain([piece.turn_m()]) {
         sketch.handle(painter, place_on_ground(view, corner_m));
     }
-    sketch.handle(painter, lift_place(piece, view));
+    sketch.handle(painter, lift_place(piece));
 }

@@ -1,5 +1,9 @@
 //! The program's window: input to the editor, the editor's frames to the screen.
 
+#[cfg(test)]
+#[cfg(target_os = "linux")]
+mod tests;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -80,7 +84,6 @@ struct Screen {
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
     painter: egui_wgpu::Renderer,
-    picture: Option<egui::TextureId>,
 }
 
 impl Screen {
@@ -104,7 +107,7 @@ impl Screen {
         };
         surface.configure(gpu.device(), &configuration);
         let painter = egui_wgpu::Renderer::new(gpu.device(), format, RendererOptions::default());
-        Ok(Self { gpu, surface, configuration, painter, picture: None })
+        Ok(Self { gpu, surface, configuration, painter })
     }
 
     fn resize(&mut self, width: u32, height: u32) {
@@ -114,23 +117,17 @@ impl Screen {
         }
     }
 
-    /// Makes the picture of the ground known to egui.
-    fn take_picture(&mut self, editor: &mut Editor) -> bool {
-        let Some(view) = editor.take_picture_view() else { return false };
+    /// Makes pictures of the ground known to egui; tells whether one is shown for the first time.
+    fn take_pictures(&mut self, editor: &mut Editor) -> bool {
         let (device, filter) = (self.gpu.device(), wgpu::FilterMode::Linear);
-        match self.picture {
+        let painter = &mut self.painter;
+        editor.take_pictures(|view, known| match known {
             Some(picture) => {
-                self.painter.update_egui_texture_from_wgpu_texture(device, &view, filter, picture);
-                editor.set_picture(picture);
-                false
+                painter.update_egui_texture_from_wgpu_texture(device, view, filter, picture);
+                picture
             }
-            None => {
-                let picture = self.painter.register_native_texture(device, &view, filter);
-                self.picture = Some(picture);
-                editor.set_picture(picture);
-                true
-            }
-        }
+            None => painter.register_native_texture(device, view, filter),
+        })
     }
 
     /// Shows shapes; textures that they need are taken over first, and those that no shape needs any more are dropped.
@@ -229,9 +226,10 @@ impl Shown {
         let ctx = self.input.egui_ctx().clone();
         let output = ctx.run_ui(input, |ui| self.editor.ui(ui));
         self.input.handle_platform_output(&self.window, output.platform_output);
-        let is_picture_first = self.screen.take_picture(&mut self.editor);
+        let is_picture_first = self.screen.take_pictures(&mut self.editor);
         let shapes = ctx.tessellate(output.shapes, output.pixels_per_point);
         self.screen.paint(output.textures_delta, &shapes, output.pixels_per_point);
+        self.editor.take_left_pictures().iter().for_each(|picture| self.screen.painter.free_texture(picture));
         let is_finer_next = self.editor.note_frame(start.elapsed());
         let delay = output.viewport_output.get(&ViewportId::ROOT).map(|viewport| viewport.repaint_delay);
         if is_picture_first || is_finer_next || self.editor.wants_frame() {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use orogeny_field::{LayerContent, SampleRect};
-use orogeny_formats::{Direction, Export, ExportOptions, Format, MAX_SAMPLES_PER_SIDE, SampleType};
+use orogeny_formats::{ByteOrder, Direction, ExportOptions, Format, MAX_SAMPLES_PER_SIDE, SampleType};
 
 use crate::access::Access;
 use crate::composite::{Look, RecorderPages, Source, read};
@@ -11,7 +11,7 @@ use crate::fit::{Axis, ExportSize, Fit};
 use crate::layers::refused;
 use crate::presets::{ExportPreset, PlannedExport};
 use crate::progress::report;
-use crate::{Error, LayerReference, Observer, Result, Terrain};
+use crate::{Error, LayerReference, Observer, Quiet, Result, Terrain};
 
 /// What to export, and where to.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,6 +83,11 @@ impl ExportRequest {
         self.size.map_or((samples, Fit::Middle), |size| ([size.width, size.depth], size.fit))
     }
 
+    /// Whether a file can have as many samples as it is to have.
+    fn is_size(&self, samples: [u32; 2]) -> bool {
+        self.size_of(samples).0.iter().all(|side| (1..=MAX_SAMPLES_PER_SIDE).contains(side))
+    }
+
     /// What it is going to write of so many samples, so far apart.
     #[must_use]
     pub fn planned(&self, samples: [u32; 2], spacing_m: f64) -> PlannedExport {
@@ -96,7 +101,10 @@ impl ExportRequest {
             size,
             spacing_m: spacings_m(fit, samples, size, spacing_m),
             range_m: self.options.range_m.map(Into::into),
-            num_bytes: width * depth * u64::from(sample.bytes()),
+            // Sizes that are going to be refused have a plan too.
+            num_bytes: width.saturating_mul(depth).saturating_mul(u64::from(sample.bytes())),
+            byte_order: self.options.byte_order.unwrap_or(ByteOrder::Little),
+            is_south_first: self.is_south_first,
         }
     }
 }
@@ -118,18 +126,30 @@ const fn sample_of(format: Format) -> SampleType {
     }
 }
 
+/// Where the rows of a file are read.
+struct Reading {
+    source: Source,
+    /// The region at the level that was asked for.
+    rect: SampleRect,
+    /// The level that is read, and its samples in the region.
+    read: (u8, SampleRect),
+    /// Where along x and z samples are read; `None`: all of them as they are, the northern row first.
+    axes: Option<[Axis; 2]>,
+}
+
 impl Terrain {
     /// Lets a preset say what a request does not say: size, samples, order and range; and how a number of samples comes about, unless
     /// that is said. Tells what is going to be written.
     ///
     /// # Errors
-    /// As [`Self::export`], for what cannot be read.
+    /// [`Error::Preset`] for one that is for files of another format; as [`Self::export`], for what cannot be read.
     pub fn take_preset(
         &self,
         request: &mut ExportRequest,
         preset: &ExportPreset,
         fit: Option<Fit>,
     ) -> Result<PlannedExport> {
+        preset.check_file(&request.file)?;
         let rect = self.region_at(request.region_m, request.level)?;
         let samples = [rect.width(), rect.depth()];
         let fit = fit.unwrap_or(preset.fit);
@@ -140,16 +160,17 @@ impl Terrain {
         let options = &mut request.options;
         options.sample = options.sample.or(preset.sample);
         options.byte_order = options.byte_order.or(preset.byte_order);
-        if options.range_m.is_none() && preset.is_scaled() {
+        // A size that is going to be refused has no heights.
+        if options.range_m.is_none() && preset.is_scaled() && request.is_size(samples) {
             let mut range_m = [f64::INFINITY, f64::NEG_INFINITY];
-            let mut composite = self.composite(self.source(&request.source)?, request.level, rect)?;
-            let mut row = vec![0.0; rect.width() as usize];
-            while composite.read_rows(&mut row)? > 0 {
+            let reading = self.reading(request)?;
+            self.rows(&reading, request.is_south_first, &mut Quiet, |row| {
                 for height_m in row.iter().copied().map(f64::from) {
                     range_m = [range_m[0].min(height_m), range_m[1].max(height_m)];
                 }
-            }
-            options.range_m = preset.range_m(range_m).map(Into::into);
+                Ok(())
+            })?;
+            request.options.range_m = preset.range_m(range_m).map(Into::into);
         }
         Ok(request.planned(samples, self.grid().spacing_m() * f64::from(1_u32 << request.level)))
     }
@@ -160,38 +181,16 @@ impl Terrain {
     /// [`Error::Format`] when the heights do not fit the format or the file cannot be written; [`Error::OutsideTerrain`];
     /// [`Error::UnknownLayer`]; [`Error::Store`].
     pub fn export(&self, request: &ExportRequest, observer: &mut dyn Observer) -> Result<ExportSummary> {
-        let level = request.level;
-        let rect = self.region_at(request.region_m, level)?;
-        let source = self.source(&request.source)?;
-        let spacing_m = self.grid().spacing_m() * f64::from(1_u32 << level);
+        let reading = self.reading(request)?;
+        let rect = reading.rect;
+        let spacing_m = self.grid().spacing_m() * f64::from(1_u32 << request.level);
         let samples = [rect.width(), rect.depth()];
         let ([width, depth], fit) = request.size_of(samples);
-        let is_plain = request.size.is_none() && !request.is_south_first;
-        // A side that the file is going to refuse has no axis.
-        let is_size = [width, depth].iter().all(|side| (1..=MAX_SAMPLES_PER_SIDE).contains(side));
-        let axes = (!is_plain && is_size)
-            .then(|| [Axis::new(rect.width(), width, fit), Axis::new(rect.depth(), depth, fit)]);
-        let (read_level, read_rect) = match fit {
-            Fit::Resample => self.level_for(request, rect, [width, depth])?,
-            Fit::Middle => (level, rect),
-        };
         let [spacing_x_m, spacing_z_m] = spacings_m(fit, samples, [width, depth], spacing_m);
         let mut options = request.options.clone();
         options.spacing_m.get_or_insert(spacing_x_m);
         let mut file = orogeny_formats::create(&request.file, &options, width, depth)?;
-        let mut first = (0.0, 0.0);
-        match &axes {
-            None => self.write_plain(&mut file, (source, level, rect), observer)?,
-            Some([along_x, along_z]) => {
-                first = (along_x.first, along_z.first);
-                let scale = 1 << (read_level - level);
-                let along_x = along_x.clone().coarser(rect.x0, (read_rect.x0, read_rect.width()), scale);
-                let along_z = along_z.clone().coarser(rect.z0, (read_rect.z0, read_rect.depth()), scale);
-                let write = |row: &[f32]| Ok(file.write_rows(row)?);
-                let (what, axes) = ((source, read_level, read_rect), [&along_x, &along_z]);
-                self.fitted_rows(what, axes, request.is_south_first, observer, write)?;
-            }
-        }
+        self.rows(&reading, request.is_south_first, observer, |row| Ok(file.write_rows(row)?))?;
         let mut notices = file.finish()?.notices;
         if (spacing_x_m - spacing_z_m).abs() > 1.0e-9 * spacing_x_m {
             notices.push(format!(
@@ -203,8 +202,58 @@ impl Terrain {
                 "the southern row comes first: what expects the northern one sees it mirrored".to_owned(),
             );
         }
-        let at_m = [(f64::from(rect.x0) + first.0) * spacing_m, (f64::from(rect.z0) + first.1) * spacing_m];
+        let [first_x, first_z] = reading.axes.map_or([0.0; 2], |axes| axes.map(|axis| axis.first));
+        let at_m = [(f64::from(rect.x0) + first_x) * spacing_m, (f64::from(rect.z0) + first_z) * spacing_m];
         Ok(ExportSummary { file: request.file.clone(), width, depth, at_m, spacing_m: spacing_x_m, notices })
+    }
+
+    /// Where what is asked for is read.
+    fn reading(&self, request: &ExportRequest) -> Result<Reading> {
+        let level = request.level;
+        let rect = self.region_at(request.region_m, level)?;
+        let source = self.source(&request.source)?;
+        let samples = [rect.width(), rect.depth()];
+        let is_plain = request.size.is_none() && !request.is_south_first;
+        if is_plain || !request.is_size(samples) {
+            return Ok(Reading { source, rect, read: (level, rect), axes: None });
+        }
+        let ([width, depth], fit) = request.size_of(samples);
+        let (read_level, read_rect) = match fit {
+            Fit::Resample => self.level_for(request, rect, [width, depth])?,
+            Fit::Middle => (level, rect),
+        };
+        let scale = 1 << (read_level - level);
+        let along_x = Axis::new(rect.width(), width, fit);
+        let along_z = Axis::new(rect.depth(), depth, fit);
+        let axes = [
+            along_x.coarser(rect.x0, (read_rect.x0, read_rect.width()), scale),
+            along_z.coarser(rect.z0, (read_rect.z0, read_rect.depth()), scale),
+        ];
+        Ok(Reading { source, rect, read: (read_level, read_rect), axes: Some(axes) })
+    }
+
+    /// Gives the rows of a file to `take`, in its order.
+    fn rows(
+        &self,
+        reading: &Reading,
+        is_south_first: bool,
+        observer: &mut dyn Observer,
+        mut take: impl FnMut(&[f32]) -> Result<()>,
+    ) -> Result<()> {
+        let (level, rect) = reading.read;
+        if let Some([along_x, along_z]) = &reading.axes {
+            let what = (reading.source, level, rect);
+            return self.fitted_rows(what, [along_x, along_z], is_south_first, observer, take);
+        }
+        let mut composite = self.composite(reading.source, level, rect)?;
+        let mut row = vec![0.0; rect.width() as usize];
+        let mut num_rows = 0;
+        while composite.read_rows(&mut row)? > 0 {
+            take(&row)?;
+            num_rows += 1;
+            report(observer, "exporting", num_rows, u64::from(rect.depth()))?;
+        }
+        Ok(())
     }
 
     /// The coarsest level that still has as many samples each way as are wanted, and its samples in the region.
@@ -225,24 +274,6 @@ impl Terrain {
             (level, samples) = (coarser, next);
         }
         Ok((level, samples))
-    }
-
-    /// Every sample as it is, from the north.
-    fn write_plain(
-        &self,
-        file: &mut Export,
-        (source, level, rect): (Source, u8, SampleRect),
-        observer: &mut dyn Observer,
-    ) -> Result<()> {
-        let mut composite = self.composite(source, level, rect)?;
-        let mut row = vec![0.0; rect.width() as usize];
-        let mut num_rows = 0;
-        while composite.read_rows(&mut row)? > 0 {
-            file.write_rows(&row)?;
-            num_rows += 1;
-            report(observer, "exporting", num_rows, u64::from(rect.depth()))?;
-        }
-        Ok(())
     }
 
     /// The heights of a region at a level, row by row, or a layer's, or how much counts where, as [`Self::export`] writes them; with

@@ -80,7 +80,7 @@ pub use orogeny_field::{
     SelectShape, Selecting, TerrainGrid,
 };
 pub use orogeny_formats::{
-    ByteOrder, Direction, ExportOptions, Format, ImportOptions, MAX_SAMPLES_PER_SIDE, NodataPolicy,
+    ByteOrder, Direction, ExportOptions, Flip, Format, ImportOptions, MAX_SAMPLES_PER_SIDE, NodataPolicy,
     SampleType,
 };
 pub use orogeny_geomip::{Camera, Cursor, FrameReport, Metric, Mode, PagePlace, PageSummary};

@@ -15,6 +15,7 @@ use crate::place::{Place, plain_file};
 use crate::read;
 use crate::resample::{Plan, Resampled};
 use crate::source::{Header, MemoryRows, Patched, RowSource, Source};
+use crate::turn::Turn;
 
 /// A file that is being read.
 pub struct Import {
@@ -54,9 +55,12 @@ pub fn open(path: impl AsRef<Path>, options: &ImportOptions) -> Result<Import> {
     let rows = with_heights_everywhere(source, &mut header, options, &place)?;
 
     header.notices.extend(plan.notice(&header));
+    let turn = Turn::of(options);
+    let size = [plan.width, plan.depth];
+    let [width, depth] = turn.size(size);
     let info = RasterInfo {
-        width: plan.width,
-        depth: plan.depth,
+        width,
+        depth,
         spacing_m: plan.spacing_m,
         notices: header.notices.clone(),
         format,
@@ -64,6 +68,7 @@ pub fn open(path: impl AsRef<Path>, options: &ImportOptions) -> Result<Import> {
         georeference: header.georeference,
     };
     let rows = if plan.is_as_it_is() { rows } else { Box::new(Resampled::new(rows, &header, &plan)) };
+    let rows = turn.rows(rows, size, &place);
     Ok(Import { rows_left: info.depth, info, rows })
 }
 

@@ -9,6 +9,7 @@
 //!
 //! - Row 0 is north, heights are metres, [`f32`].
 //! - A sample with no data never becomes a height. It is refused, filled or replaced as [`NodataPolicy`] says.
+//! - A raster is turned and mirrored on its way where [`ImportOptions`] say so: rows are those of the turned one.
 //! - A raster in degrees or with oblong pixels is resampled to square metres, unless a spacing is given.
 //! - Whatever was resampled, rounded, lost or assumed is said in [`RasterInfo::notices`] or [`Exported::notices`].
 //! - Declared sizes are checked against limits and against the file's length before anything is allocated.
@@ -53,6 +54,7 @@ mod resample;
 mod sample;
 mod sidecar;
 mod source;
+mod turn;
 mod write;
 
 pub use bitmap::{Bitmap, MAX_BITMAP_SIDE, read_bitmap};
@@ -64,3 +66,4 @@ pub use import::{Import, open};
 pub use info::{Georeference, RasterInfo};
 pub use options::{ExportOptions, ImportOptions, MAX_HEIGHT_M, MAX_SAMPLES_PER_SIDE, NodataPolicy};
 pub use sidecar::Sidecar;
+pub use turn::Flip;

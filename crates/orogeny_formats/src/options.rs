@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::format::{ByteOrder, Format, SampleType};
+use crate::turn::{Flip, Turn};
 
 /// The greatest magnitude of a height, metres. What lies beyond is no height: Earth's relief is a thousandth of it.
 pub const MAX_HEIGHT_M: f32 = 1.0e7;
@@ -46,6 +47,12 @@ pub struct ImportOptions {
     /// Takes the samples as they are, this many metres apart, whatever the file says of its spacing.
     #[serde(rename = "spacing")]
     pub spacing_m: Option<f64>,
+    /// Degrees that the raster is turned by, clockwise as it is seen from above: 0, 90, 180 or 270.
+    #[serde(rename = "rotate", skip_serializing_if = "is_zero")]
+    pub rotate_degrees: u16,
+    /// Which of its sides change places, once it is turned.
+    #[serde(skip_serializing_if = "Flip::is_none")]
+    pub flip: Flip,
     /// The longest side that is accepted, samples; at most [`MAX_SAMPLES_PER_SIDE`].
     #[serde(skip)]
     pub max_samples_per_side: u32,
@@ -65,13 +72,27 @@ impl Default for ImportOptions {
             range_m: None,
             nodata: NodataPolicy::default(),
             spacing_m: None,
+            rotate_degrees: 0,
+            flip: Flip::None,
             max_samples_per_side: MAX_SAMPLES_PER_SIDE,
             memory_limit_bytes: 1 << 30,
         }
     }
 }
 
+/// Whether it is not turned: what does nothing is not written down.
+const fn is_zero(degrees: &u16) -> bool {
+    *degrees == 0
+}
+
 impl ImportOptions {
+    /// Where a place of the file comes to lie once it is turned and mirrored; both in shares of the raster's width and depth from its
+    /// north-west corner on. So `[0.0, 0.0]` gives the corner that the file begins in.
+    #[must_use]
+    pub fn turned(&self, place: [f64; 2]) -> [f64; 2] {
+        Turn::of(self).place(place)
+    }
+
     /// Refuses options that are out of range or that `format` does not take.
     pub(crate) fn check(&self, format: Format) -> Result<()> {
         check_range(self.range_m)?;
@@ -85,6 +106,11 @@ impl ImportOptions {
         {
             let reason = format!("{height_m} m is no height: give one within ±{MAX_HEIGHT_M} m");
             return Err(Error::Option { option: "nodata", reason });
+        }
+        if ![0, 90, 180, 270].contains(&self.rotate_degrees) {
+            let reason =
+                format!("{} degrees are no quarter turns: give 0, 90, 180 or 270", self.rotate_degrees);
+            return Err(Error::Option { option: "rotate_degrees", reason });
         }
         let headless = matches!(format, Format::Raw | Format::R16 | Format::R32);
         let ranged = match format {

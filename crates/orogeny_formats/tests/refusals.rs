@@ -85,6 +85,8 @@ fn options_out_of_range_or_place_are_refused() {
         ("spacing_m", ImportOptions { spacing_m: Some(0.0), ..plain.clone() }),
         ("spacing_m", ImportOptions { spacing_m: Some(f64::INFINITY), ..plain.clone() }),
         ("nodata", ImportOptions { nodata: NodataPolicy::Value(f32::NAN), ..plain.clone() }),
+        ("rotate_degrees", ImportOptions { rotate_degrees: 45, ..plain.clone() }),
+        ("rotate_degrees", ImportOptions { rotate_degrees: 360, ..plain.clone() }),
         ("max_samples_per_side", ImportOptions { max_samples_per_side: 0, ..plain.clone() }),
         ("max_samples_per_side", ImportOptions { max_samples_per_side: u32::MAX, ..plain.clone() }),
         ("size", ImportOptions { size: Some((2, 2)), ..plain.clone() }),

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use orogeny_engine::{ExportOptions, ExportRequest, ExportSize, ExportSource, LayerReference};
 use serde::Serialize;
 
@@ -15,6 +15,7 @@ use crate::values::{self, Fitting, Order, Sample};
 
 /// What `export` takes.
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("samples").args(["preset", "size"]).multiple(true)))]
 pub struct Arguments {
     /// The terrain
     terrain: PathBuf,
@@ -44,14 +45,14 @@ pub struct Arguments {
     /// Which byte of a sample comes first in a .raw, .r16 or .r32 [default: little]
     #[arg(long)]
     byte_order: Option<Order>,
-    /// As a program wants it, by the name of a preset, as "Unreal R16"; the options beside it count more
+    /// As a program wants it, by the name of a preset, as "Unreal R16", for a file of its ending; the options beside it count more
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
     /// So many samples, as 1009x1009 [default: as many as there are, or what the preset takes]
     #[arg(long, value_name = "WxD", value_parser = values::size::<u32>)]
     size: Option<[u32; 2]>,
-    /// How another number of samples comes about
-    #[arg(long)]
+    /// How another number of samples, that of --size or of --preset, comes about [default: resample, or what the preset says]
+    #[arg(long, requires = "samples")]
     fit: Option<Fitting>,
     /// The southern row first
     #[arg(long)]

@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::output::{dropped_line, text_of, write_notices};
 use crate::progress::ProgressWatch;
 use crate::session::Session;
-use crate::values::{self, Order, Sample};
+use crate::values::{self, Mirror, Order, Sample};
 
 /// What `import` takes.
 #[derive(Debug, Args)]
@@ -45,6 +45,12 @@ pub struct Arguments {
     /// What becomes of samples without a height: `refuse` them, `fill` them from around, or a height in metres
     #[arg(long, value_name = "POLICY", default_value = "refuse", value_parser = values::nodata, allow_negative_numbers = true)]
     nodata: NodataPolicy,
+    /// Turn it clockwise, as it is seen from above: 0, 90, 180 or 270
+    #[arg(long, value_name = "DEGREES", default_value_t = 0, allow_negative_numbers = true)]
+    rotate: u16,
+    /// Mirror it, once it is turned
+    #[arg(long)]
+    flip: Option<Mirror>,
 }
 
 #[derive(Debug, Serialize)]
@@ -84,6 +90,8 @@ pub fn run(arguments: Arguments, session: &Session) -> anyhow::Result<()> {
             range_m: arguments.range.map(Into::into),
             nodata: arguments.nodata,
             spacing_m: arguments.spacing,
+            rotate_degrees: arguments.rotate,
+            flip: arguments.flip.map(Into::into).unwrap_or_default(),
             ..ImportOptions::default()
         },
         layer: arguments.layer,

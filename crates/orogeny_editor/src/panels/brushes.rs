@@ -1,12 +1,17 @@
 //! The palette: brushes by what they are for, presets, and a search over both.
 
-use egui::{CollapsingHeader, TextEdit, Ui};
+use egui::{CollapsingHeader, Color32, Rect, Sense, TextEdit, TextureHandle, Ui, Vec2, pos2, vec2};
 use orogeny_engine::presets::PresetOrigin;
 use orogeny_engine::{BrushType, Preset};
 use serde_json::{Map, Value};
 
+use super::Dialog;
 use crate::command::{Command, capitalised, words};
 use crate::editor::Editor;
+use crate::thumbnails::Thumbnails;
+
+/// How large a preset's picture is in the list, in points.
+const THUMBNAIL: Vec2 = vec2(40.0, 30.0);
 
 /// Brushes by what they are for.
 const GROUPS: [(&str, &[BrushType]); 7] = [
@@ -79,6 +84,8 @@ enum PresetWish {
     Rename(String),
     Remove(String),
     CopyText(String),
+    Write(String),
+    Add,
 }
 
 fn presets(editor: &mut Editor, ui: &mut Ui, is_found: impl Fn(&str) -> bool) {
@@ -92,14 +99,17 @@ fn presets(editor: &mut Editor, ui: &mut Ui, is_found: impl Fn(&str) -> bool) {
                 continue;
             }
             let is_own = matches!(known.origin, PresetOrigin::User { .. });
-            let thumbnails = &mut editor.thumbnails;
-            let label = ui.selectable_label(false, name).on_hover_ui(|ui| {
-                ui.label(description);
-                if let Some(picture) = thumbnails.of(ui.ctx(), brush) {
-                    ui.image((picture.id(), picture.size_vec2()));
-                }
-                ui.label(egui::RichText::new("The right button has more").weak());
+            let label = ui.horizontal(|ui| {
+                let picture = thumbnail(&mut editor.thumbnails, ui, brush);
+                ui.selectable_label(false, name).on_hover_ui(|ui| {
+                    ui.label(description);
+                    if let Some(picture) = picture {
+                        ui.image((picture.id(), picture.size_vec2()));
+                    }
+                    ui.label(egui::RichText::new("The right button has more").weak());
+                })
             });
+            let label = label.inner;
             if label.clicked() {
                 wish = Some(PresetWish::Take(brush.clone()));
             }
@@ -119,6 +129,9 @@ fn presets(editor: &mut Editor, ui: &mut Ui, is_found: impl Fn(&str) -> bool) {
                 {
                     wish = Some(PresetWish::CopyText(name.clone()));
                 }
+                if ui.button("Write to a file…").on_hover_text("With its picture").clicked() {
+                    wish = Some(PresetWish::Write(name.clone()));
+                }
             });
         }
         ui.horizontal(|ui| {
@@ -133,11 +146,26 @@ fn presets(editor: &mut Editor, ui: &mut Ui, is_found: impl Fn(&str) -> bool) {
                 save(editor);
             }
         });
+        if ui.button("From a file…").on_hover_text("Keeps a preset that someone gave you").clicked() {
+            wish = Some(PresetWish::Add);
+        }
     });
     let Some(wish) = wish else { return };
     if let Err(err) = grant(editor, ui, wish) {
         editor.tell(err.to_string(), true);
     }
+}
+
+/// Draws a preset's picture, small; gives it where it is there. Those that are scrolled out of sight are not drawn.
+fn thumbnail(thumbnails: &mut Thumbnails, ui: &mut Ui, brush: &Map<String, Value>) -> Option<TextureHandle> {
+    let (rect, _) = ui.allocate_exact_size(THUMBNAIL, Sense::hover());
+    if !ui.is_rect_visible(rect) {
+        return None;
+    }
+    let picture = thumbnails.of_list(ui.ctx(), brush)?;
+    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    ui.painter().image(picture.id(), rect, whole, Color32::WHITE);
+    Some(picture)
 }
 
 fn grant(editor: &mut Editor, ui: &Ui, wish: PresetWish) -> orogeny_engine::Result<()> {
@@ -163,6 +191,8 @@ fn grant(editor: &mut Editor, ui: &Ui, wish: PresetWish) -> orogeny_engine::Resu
             ui.ctx().copy_text(presets.get(&name)?.preset.to_json_text()?);
             editor.tell(format!("the preset {name} was copied as text"), false);
         }
+        PresetWish::Write(name) => editor.panels.dialog = Some(Dialog::write_preset(editor, &name)),
+        PresetWish::Add => editor.run(Command::AddPreset, &ui.ctx().clone()),
     }
     Ok(())
 }

@@ -85,7 +85,7 @@ impl Choice {
 /// Everything that is chosen but the file.
 pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: &mut String) {
     let Some(document) = &editor.document else { return };
-    let (grid, terrain_m) = (document.status.grid, document.view.range_m());
+    let (grid, terrain_m) = (document.status.grid, document.pane.view.range_m());
     if let Some(ending) = Path::new(path.trim()).extension().and_then(|ending| ending.to_str()) {
         choice.preset.ending = ending.to_lowercase();
     }

@@ -2,19 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Context, Key, ScrollArea, TextEdit, Ui};
-use orogeny_engine::{Direction, Format};
+use egui::{Context, Ui};
 
+use super::browse::{Browser, Sought};
 use super::{Dialog, export, import};
 use crate::editor::Editor;
 
 /// What a file is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 enum Purpose {
     Open,
     Import,
     Export,
     AddBrush,
+    AddPreset,
+    /// The one of this name.
+    WritePreset(String),
 }
 
 /// What is chosen so far.
@@ -22,10 +25,7 @@ enum Purpose {
 pub(crate) struct FileDialog {
     purpose: Purpose,
     path: String,
-    /// Whether it was not drawn yet.
-    is_new: bool,
-    /// The folder that is listed, and what is in it.
-    listed: Option<(PathBuf, Vec<(String, bool)>)>,
+    browser: Browser,
     export: export::Choice,
     import: import::Choice,
 }
@@ -63,6 +63,17 @@ impl Dialog {
         Self::file(editor, Purpose::AddBrush, "")
     }
 
+    /// Taking a preset of someone else's.
+    pub(crate) fn add_preset(editor: &Editor) -> Self {
+        Self::file(editor, Purpose::AddPreset, "")
+    }
+
+    /// Writing a preset for someone else.
+    pub(super) fn write_preset(editor: &Editor, name: &str) -> Self {
+        let purpose = Purpose::WritePreset(name.to_owned());
+        Self::file(editor, purpose, &format!("{}.json", name.replace(['/', '\\'], "-")))
+    }
+
     /// Writing heights.
     pub(crate) fn export(editor: &Editor) -> Self {
         let name =
@@ -72,13 +83,21 @@ impl Dialog {
 
     fn file(editor: &Editor, purpose: Purpose, name: &str) -> Self {
         let path = folder(editor).join(name).display().to_string();
-        let range_m =
-            editor.document.as_ref().map_or([0.0, 1.0], |document| document.view.range_m().map(f64::from));
+        let range_m = editor
+            .document
+            .as_ref()
+            .map_or([0.0, 1.0], |document| document.pane.view.range_m().map(f64::from));
+        let sought = match purpose {
+            Purpose::Open => Sought::Terrain,
+            Purpose::Import => Sought::Heights,
+            Purpose::Export => Sought::Written,
+            Purpose::AddBrush => Sought::Shader,
+            Purpose::AddPreset | Purpose::WritePreset(_) => Sought::Preset,
+        };
         Self::File(Box::new(FileDialog {
             purpose,
             path,
-            is_new: true,
-            listed: None,
+            browser: Browser::new(sought),
             export: export::Choice::new(range_m),
             import: import::Choice::default(),
         }))
@@ -92,6 +111,8 @@ impl FileDialog {
             Purpose::Import => "Import heights",
             Purpose::Export => "Export heights",
             Purpose::AddBrush => "Add a brush of your own",
+            Purpose::AddPreset => "Add a preset",
+            Purpose::WritePreset(_) => "Write the preset",
         }
     }
 
@@ -100,73 +121,22 @@ impl FileDialog {
             Purpose::Open => "Open",
             Purpose::Import => "Import",
             Purpose::Export => "Export",
-            Purpose::AddBrush => "Add",
-        }
-    }
-
-    /// Whether a file is one that is looked for.
-    fn is_offered(&self, name: &str) -> bool {
-        let ending = Path::new(name).extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        match self.purpose {
-            Purpose::Open => ending == "orogeny",
-            Purpose::AddBrush => ending == "wgsl",
-            Purpose::Import => Format::from_path(Path::new(name), Direction::Import).is_ok(),
-            Purpose::Export => Format::from_path(Path::new(name), Direction::Export).is_ok(),
-        }
-    }
-
-    /// The folder of the path that is typed.
-    fn folder(&self) -> PathBuf {
-        let path = Path::new(&self.path);
-        if path.is_dir() { path.to_owned() } else { path.parent().unwrap_or(Path::new(".")).to_owned() }
-    }
-
-    fn list(&mut self, ui: &mut Ui) {
-        let folder = self.folder();
-        if self.listed.as_ref().is_none_or(|(listed, _)| *listed != folder) {
-            let entries = std::fs::read_dir(&folder).into_iter().flatten().flatten();
-            let mut names: Vec<_> = entries
-                .map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.path().is_dir()))
-                .filter(|(name, is_folder)| !name.starts_with('.') && (*is_folder || self.is_offered(name)))
-                .collect();
-            names.sort_by(|(a, a_is_folder), (b, b_is_folder)| b_is_folder.cmp(a_is_folder).then(a.cmp(b)));
-            self.listed = Some((folder.clone(), names));
-        }
-        let Some((_, names)) = &self.listed else { return };
-        let mut chosen = None;
-        ScrollArea::vertical().max_height(220.0).auto_shrink([false, true]).show(ui, |ui| {
-            if folder.parent().is_some() && ui.selectable_label(false, "..").clicked() {
-                chosen = folder.parent().map(Path::to_owned);
-            }
-            for (name, is_folder) in names {
-                let end = if *is_folder { "/" } else { "" };
-                let is_chosen = Path::new(&self.path) == folder.join(name);
-                if ui.selectable_label(is_chosen, format!("{name}{end}")).clicked() {
-                    chosen = Some(folder.join(name));
-                }
-            }
-        });
-        if let Some(path) = chosen {
-            self.path = path.display().to_string();
+            Purpose::AddBrush | Purpose::AddPreset => "Add",
+            Purpose::WritePreset(_) => "Write",
         }
     }
 }
 
 pub(super) fn show(editor: &mut Editor, ctx: &Context, mut dialog: FileDialog) -> Option<FileDialog> {
     let mut is_done = false;
-    let (title, purpose) = (dialog.title(), dialog.purpose);
+    let (title, purpose) = (dialog.title(), dialog.purpose.clone());
     let is_wide = matches!(purpose, Purpose::Import | Purpose::Export);
+    let recent = editor.preferences.folders();
     let add = |ui: &mut Ui| {
-        let label = ui.label("Path");
-        let field = TextEdit::singleline(&mut dialog.path).desired_width(f32::INFINITY);
-        let field = ui.add(field).labelled_by(label.id);
-        if std::mem::take(&mut dialog.is_new) {
-            field.request_focus();
-        }
-        is_done = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        is_done = dialog.browser.field(ui, &mut dialog.path);
         if is_wide {
             ui.columns_const(|[left, right]| {
-                dialog.list(left);
+                is_done |= dialog.browser.list(left, &mut dialog.path, &recent);
                 let FileDialog { export, import, path, .. } = &mut dialog;
                 // Columns would stretch what stands in them.
                 right.vertical(|right| match purpose {
@@ -175,12 +145,13 @@ pub(super) fn show(editor: &mut Editor, ctx: &Context, mut dialog: FileDialog) -
                 });
             });
         } else {
-            dialog.list(ui);
+            is_done |= dialog.browser.list(ui, &mut dialog.path, &recent);
         }
         is_done |= ui.button(dialog.button()).clicked();
     };
     let shown = if is_wide { super::wide_window(ctx, title, add) } else { super::window(ctx, title, add) };
-    if is_done && !Path::new(&dialog.path).is_dir() {
+    if is_done && !Path::new(dialog.path.trim()).is_dir() {
+        editor.preferences.note_folder(Path::new(dialog.path.trim()));
         finish(editor, &dialog);
         return None;
     }
@@ -189,35 +160,50 @@ pub(super) fn show(editor: &mut Editor, ctx: &Context, mut dialog: FileDialog) -
 
 fn finish(editor: &mut Editor, dialog: &FileDialog) {
     let path = PathBuf::from(dialog.path.trim());
-    if dialog.purpose == Purpose::Open {
-        return editor.open(&path);
+    let told = match &dialog.purpose {
+        Purpose::Open => return editor.open(&path),
+        Purpose::AddBrush => return editor.add_own_brush(&path),
+        Purpose::AddPreset => return editor.add_preset(&path),
+        Purpose::WritePreset(name) => {
+            let presets = &editor.options.presets;
+            let written = presets.get(name).and_then(|known| known.preset.with_thumbnail());
+            written
+                .and_then(|preset| preset.write(&path))
+                .map(|()| Some(format!("the preset {name} is in `{}`", path.display())))
+        }
+        Purpose::Import if editor.may_change() => {
+            import_heights(editor, dialog, &path);
+            Ok(None)
+        }
+        Purpose::Import => Ok(None),
+        Purpose::Export => Ok(export_heights(editor, dialog, &path)),
+    };
+    match told {
+        Ok(Some(told)) => editor.tell(told, false),
+        Ok(None) => {}
+        Err(err) => editor.tell(err.to_string(), true),
     }
-    if dialog.purpose == Purpose::AddBrush {
-        return editor.add_own_brush(&path);
-    }
-    if dialog.purpose == Purpose::Import && !editor.may_change() {
-        return;
-    }
-    let mut told = None;
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn import_heights(editor: &mut Editor, dialog: &FileDialog, path: &Path) {
     let Some(document) = &mut editor.document else { return };
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    match dialog.purpose {
-        Purpose::Open | Purpose::AddBrush => {}
-        Purpose::Import => {
-            let layer = document.current_layer().map(|layer| layer.name.clone());
-            let ticket = document.session.import(dialog.import.request(&path, layer, document.status.grid));
-            document.note(ticket, format!("import {name}"));
-        }
-        Purpose::Export => {
-            let request = dialog.export.request(&dialog.path, document.view.range_m());
-            let grid = document.status.grid;
-            told =
-                dialog.export.told(&name, &request.planned([grid.width(), grid.depth()], grid.spacing_m()));
-            let ticket = document.session.export(request);
-            document.note(ticket, format!("export {name}"));
-        }
-    }
-    if let Some(told) = told {
-        editor.tell(told, false);
-    }
+    let layer = document.current_layer().map(|layer| layer.name.clone());
+    let ticket = document.session.import(dialog.import.request(path, layer, document.status.grid));
+    document.note(ticket, format!("import {}", name_of(path)));
+}
+
+/// Gives what is to be told of the file.
+fn export_heights(editor: &mut Editor, dialog: &FileDialog, path: &Path) -> Option<String> {
+    let document = editor.document.as_mut()?;
+    let name = name_of(path);
+    let request = dialog.export.request(&dialog.path, document.pane.view.range_m());
+    let grid = document.status.grid;
+    let planned = request.planned([grid.width(), grid.depth()], grid.spacing_m());
+    let ticket = document.session.export(request);
+    document.note(ticket, format!("export {name}"));
+    dialog.export.told(&name, &planned)
 }

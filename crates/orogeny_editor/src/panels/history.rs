@@ -82,7 +82,8 @@ fn comparing(editor: &mut Editor, ui: &mut Ui) {
             }
         }
     });
-    if let Some((text, _)) = editor.comparison() {
+    let panes = editor.document.iter().flat_map(crate::document::Document::panes);
+    if let Some((text, _)) = panes.into_iter().find_map(|pane| editor.comparison(pane)) {
         ui.colored_label(COMPARING, text);
     }
 }

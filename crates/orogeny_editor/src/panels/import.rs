@@ -4,18 +4,20 @@ use std::path::Path;
 
 use egui::{Color32, ComboBox, DragValue, RichText, Ui, pos2, vec2};
 use orogeny_engine::{
-    ByteOrder, Direction, Format, ImportOptions, ImportPreview, ImportRequest, MAX_SAMPLES_PER_SIDE,
+    ByteOrder, Direction, Flip, Format, ImportOptions, ImportPreview, ImportRequest, MAX_SAMPLES_PER_SIDE,
     NodataPolicy, SampleType, TerrainGrid,
 };
 
-use super::{WARNING, compass};
+use super::{FIRST, WARNING, compass};
 use crate::editor::Editor;
 use crate::previews::Previewed;
 
 /// The side of the picture, in points of the screen.
 const PICTURE_SIDE: f32 = 190.0;
 /// What all of it takes at least, in points of the screen.
-const MIN_HEIGHT: f32 = 470.0;
+const MIN_HEIGHT: f32 = 510.0;
+/// How long the arrow is that goes along a file's first row, in points of the screen.
+const ROW_ARROW: f32 = 34.0;
 /// Spacings that differ by less than this share are the same.
 const SAME_SPACING: f64 = 1.0e-6;
 /// Samples of files that do not say it themselves.
@@ -39,6 +41,9 @@ pub(super) struct Choice {
     is_big: bool,
     /// Samples each way of a file that does not say it; `None`: a square.
     size: Option<[u32; 2]>,
+    /// How far it is turned clockwise, and which sides change places then.
+    rotate_degrees: u16,
+    flip: Flip,
 }
 
 impl Default for Choice {
@@ -51,6 +56,8 @@ impl Default for Choice {
             sample: SampleType::U16,
             is_big: false,
             size: None,
+            rotate_degrees: 0,
+            flip: Flip::None,
         }
     }
 }
@@ -72,6 +79,8 @@ impl Choice {
             range_m: self.range_m.map(Into::into).filter(|_| self.is_scaled(format)),
             nodata: self.nodata,
             spacing_m: self.is_as_terrain.then_some(spacing_m),
+            rotate_degrees: self.rotate_degrees,
+            flip: self.flip,
             ..ImportOptions::default()
         }
     }
@@ -82,6 +91,27 @@ impl Choice {
             Some(Format::Png | Format::R16) => true,
             Some(Format::Raw) => self.sample.range_maximum().is_some(),
             _ => false,
+        }
+    }
+
+    /// Turns what is seen by a quarter. Files are turned before they are mirrored, so mirrors change their axis.
+    const fn turn(&mut self, is_clockwise: bool) {
+        self.rotate_degrees = (self.rotate_degrees + if is_clockwise { 90 } else { 270 }) % 360;
+        self.flip = match self.flip {
+            Flip::EastWest => Flip::NorthSouth,
+            Flip::NorthSouth => Flip::EastWest,
+            other => other,
+        };
+    }
+
+    /// Mirrors what is seen. Two different mirrors are half a turn.
+    fn mirror(&mut self, flip: Flip) {
+        match self.flip {
+            Flip::None => self.flip = flip,
+            before => {
+                self.rotate_degrees = (self.rotate_degrees + if before == flip { 0 } else { 180 }) % 360;
+                self.flip = Flip::None;
+            }
         }
     }
 
@@ -112,6 +142,8 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: 
             return;
         }
     };
+    // Above all that has another size once it is turned: what is pressed twice stays under the pointer.
+    turns(ui, choice);
     let options = choice.request(path, None, grid).options;
     let previewed = editor.previews.of(ui.ctx(), path, &options);
     match &previewed {
@@ -124,7 +156,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: 
         Previewed::Wrong(wrong) => _ = ui.colored_label(WARNING, wrong),
         Previewed::Read(preview, texture) => {
             ui.horizontal_top(|ui| {
-                picture(ui, preview, texture);
+                picture(ui, preview, &options, texture);
                 ui.vertical(|ui| facts(ui, preview));
             });
             fits(ui, choice, preview, grid);
@@ -148,8 +180,34 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui, choice: &mut Choice, path: 
     gaps(ui, choice);
 }
 
-/// It from above, with its sides.
-fn picture(ui: &mut Ui, preview: &ImportPreview, texture: &egui::TextureHandle) {
+/// Buttons that turn and mirror it.
+fn turns(ui: &mut Ui, choice: &mut Choice) {
+    ui.horizontal(|ui| {
+        for (title, is_clockwise) in [("Turn left", false), ("Turn right", true)] {
+            if ui.button(title).on_hover_text("By a quarter, as the picture shows it").clicked() {
+                choice.turn(is_clockwise);
+            }
+        }
+        for (title, flip) in [("Mirror east-west", Flip::EastWest), ("Mirror north-south", Flip::NorthSouth)]
+        {
+            if ui.button(title).on_hover_text("These sides change places").clicked() {
+                choice.mirror(flip);
+            }
+        }
+    });
+    let mirrored = match choice.flip {
+        Flip::None | Flip::Both => "",
+        Flip::EastWest => ", then mirrored east-west",
+        Flip::NorthSouth => ", then mirrored north-south",
+    };
+    match (choice.rotate_degrees, choice.flip) {
+        (0, Flip::None) => _ = ui.label("It lies as its file has it"),
+        (degrees, _) => _ = ui.label(format!("Turned by {degrees}° clockwise{mirrored}")),
+    }
+}
+
+/// It from above as it is going to lie, with the terrain's sides and where its file begins.
+fn picture(ui: &mut Ui, preview: &ImportPreview, options: &ImportOptions, texture: &egui::TextureHandle) {
     let longest = preview.width.max(preview.depth).max(1) as f32;
     let size = vec2(preview.width as f32, preview.depth as f32) * (PICTURE_SIDE / longest);
     let (room, response) =
@@ -159,8 +217,26 @@ fn picture(ui: &mut Ui, preview: &ImportPreview, texture: &egui::TextureHandle) 
     let rect = room.shrink(16.0);
     let whole = egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
-    compass(ui, room, rect.left_top());
-    response.on_hover_text("The first sample is the north-west corner; rows run to the east");
+    let at = |place| {
+        let [x, z] = options.turned(place);
+        rect.lerp_inside(vec2(x as f32, z as f32))
+    };
+    let (first, next) = (at([0.0, 0.0]), at([1.0, 0.0]));
+    compass(ui, room, first);
+    let along = (next - first).normalized();
+    ui.painter().arrow(first, along * ROW_ARROW, egui::Stroke::new(2.0, FIRST));
+    let corner = |low: bool, names: [&'static str; 2]| if low { names[0] } else { names[1] };
+    let [x, z] = options.turned([0.0, 0.0]);
+    let (north, west) = (corner(z < 0.5, ["north", "south"]), corner(x < 0.5, ["west", "east"]));
+    let towards = match (along.x.abs() > along.y.abs(), along.x + along.y > 0.0) {
+        (true, true) => "east",
+        (true, false) => "west",
+        (false, true) => "south",
+        (false, false) => "north",
+    };
+    response.on_hover_text(format!(
+        "The file's first sample becomes the {north}-{west} corner; its rows run to the {towards}"
+    ));
 }
 
 fn facts(ui: &mut Ui, preview: &ImportPreview) {
@@ -274,4 +350,35 @@ fn gaps(ui: &mut Ui, choice: &mut Choice) {
             ui.add(DragValue::new(height_m).suffix(" m"));
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is pressed acts on what is seen, whatever was pressed before: shares of the file's corners tell.
+    #[test]
+    fn buttons_turn_and_mirror_what_is_seen() {
+        let corners = |choice: &Choice| {
+            let options = choice.options(Some(Format::Npy), 1.0, 0);
+            [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|corner| options.turned(corner))
+        };
+        type Button = fn(&mut Choice);
+        type Expected = fn([f64; 2]) -> [f64; 2];
+        let press: [(Button, Expected); 4] = [
+            (|choice| choice.turn(true), |[x, z]| [1.0 - z, x]),
+            (|choice| choice.turn(false), |[x, z]| [z, 1.0 - x]),
+            (|choice| choice.mirror(Flip::EastWest), |[x, z]| [1.0 - x, z]),
+            (|choice| choice.mirror(Flip::NorthSouth), |[x, z]| [x, 1.0 - z]),
+        ];
+        for order in 0..256 {
+            let mut choice = Choice::default();
+            for step in 0..4 {
+                let (button, expected) = press[order >> (2 * step) & 3];
+                let before = corners(&choice);
+                button(&mut choice);
+                assert_eq!(corners(&choice), before.map(expected), "{order} {step}");
+            }
+        }
+    }
 }

@@ -5,7 +5,8 @@ use egui::{CollapsingHeader, DragValue, Slider, Ui};
 use crate::editor::Editor;
 
 pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
-    let [low_m, high_m] = editor.document.as_ref().map_or([0.0, 1.0], |document| document.view.range_m());
+    let [low_m, high_m] =
+        editor.document.as_ref().map_or([0.0, 1.0], |document| document.pane.view.range_m());
     let request = &mut editor.request;
     CollapsingHeader::new("Light and water").show(ui, |ui| {
         ui.add(Slider::new(&mut request.sun_azimuth_degrees, 0.0..=360.0).suffix("°").text("Sun from"))

@@ -133,10 +133,10 @@ fn draw_eye(
         Color32::from_rgba_unmultiplied(255, 220, 90, 28),
         line,
     ));
-    let eye = document.camera.eye();
+    let eye = document.pane.camera.eye();
     // From beyond the map it is drawn at its edge.
     let at = rect.shrink(8.0).clamp(on_map([eye.x, eye.z]));
-    let (sin, cos) = (document.camera.heading as f32).sin_cos();
+    let (sin, cos) = (document.pane.camera.heading as f32).sin_cos();
     let turned = |right: f32, ahead: f32| at + vec2(right * cos + ahead * sin, right * sin - ahead * cos);
     let arrow = vec![turned(0.0, 9.0), turned(5.0, -6.0), turned(-5.0, -6.0)];
     painter.add(Shape::convex_polygon(arrow, line.color, Stroke::new(1.5, Color32::BLACK)));
@@ -145,9 +145,9 @@ fn draw_eye(
 /// The corners of what is seen of the level that the middle of the terrain's heights has, `[x, z]` in metres.
 fn footprint_m(document: &Document, size: egui::Vec2) -> [[f64; 2]; 4] {
     let size_px = [size.x, size.y].map(|side| (side as u32).max(1));
-    let camera = document.camera.camera(size_px);
+    let camera = document.pane.camera.camera(size_px);
     let eye = camera.eye_m();
-    let [low_m, high_m] = document.view.range_m().map(f64::from);
+    let [low_m, high_m] = document.pane.view.range_m().map(f64::from);
     let [width_m, depth_m] = document.size_m();
     let furthest_m = FAR * width_m.max(depth_m);
     let fall_m = f64::midpoint(low_m, high_m).min(eye.y - 1.0e-3) - eye.y;
@@ -163,13 +163,14 @@ fn footprint_m(document: &Document, size: egui::Vec2) -> [[f64; 2]; 4] {
 
 /// Moves the eye so that it looks at a place as it looked at the ground before.
 fn go_to(document: &mut Document, place_m: [f64; 2]) {
-    let eye = document.camera.eye();
+    let eye = document.pane.camera.eye();
     let looked_at = document
+        .pane
         .view
-        .pick(eye, document.camera.ahead())
-        .unwrap_or_else(|| place_on_ground(&document.view, [eye.x, eye.z]));
-    let by: DVec3 = place_on_ground(&document.view, place_m) - looked_at;
-    document.camera.eye_m = (eye + by).to_array();
+        .pick(eye, document.pane.camera.ahead())
+        .unwrap_or_else(|| place_on_ground(&document.pane.view, [eye.x, eye.z]));
+    let by: DVec3 = place_on_ground(&document.pane.view, place_m) - looked_at;
+    document.pane.camera.eye_m = (eye + by).to_array();
 }
 
 /// Places that are kept.

@@ -75,6 +75,7 @@ pub(super) fn is_possible(editor: &Editor, command: Command) -> bool {
         Command::Compare | Command::SeeEarlier | Command::Mode(Mode::Difference) => {
             document.past.is_some() || can_undo
         }
+        Command::SwitchView => document.other.is_some(),
         Command::Paste => document.copied.is_some(),
         Command::PutDown => editor.viewport.piece.is_some(),
         Command::RemoveLayer => document.status.layers.len() > 1,

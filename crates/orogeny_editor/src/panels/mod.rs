@@ -1,5 +1,6 @@
 //! What stands around the ground: menus, brushes, layers, history, the status line, and dialogs over it.
 
+mod browse;
 mod brushes;
 mod commands;
 mod curve;
@@ -30,6 +31,7 @@ use egui::{Color32, Context, Panel, ScrollArea, Ui};
 use crate::Hand;
 use crate::editor::Editor;
 
+pub(crate) use browse::Browse;
 pub(crate) use files::FileDialog;
 pub(crate) use log::LogView;
 pub(crate) use map::MapView;
@@ -43,6 +45,8 @@ pub(crate) enum Dialog {
     New(NewTerrain),
     /// A file is opened, read or written.
     File(Box<FileDialog>),
+    /// A file is chosen for a field.
+    Browse(Browse),
     /// A command is looked for.
     Commands { search: String },
     /// Keys, theme, size.
@@ -73,6 +77,8 @@ pub(crate) struct Panels {
     pub(crate) map: MapView,
     /// Whether the histogram is open.
     pub(crate) shows_histogram: bool,
+    /// The share of the width that the left pane has, where it is not half of it.
+    pub(crate) left_share: Option<f32>,
 }
 
 /// Draws all of them but dialogs.
@@ -130,7 +136,8 @@ pub(crate) fn show(editor: &mut Editor, ui: &mut Ui) {
 pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
     let Some(dialog) = editor.panels.dialog.take() else { return editor.previews.forget() };
     let stays = match dialog {
-        Dialog::New(new) => new_terrain::show(editor, ctx, new).map(Dialog::New),
+        Dialog::New(new) => new_terrain::show(editor, ctx, new),
+        Dialog::Browse(browse) => browse::show(editor, ctx, browse),
         Dialog::File(file) => files::show(editor, ctx, *file).map(|file| Dialog::File(Box::new(file))),
         Dialog::Commands { search } => {
             commands::show(editor, ctx, search).map(|search| Dialog::Commands { search })
@@ -147,6 +154,9 @@ pub(crate) fn show_dialog(editor: &mut Editor, ctx: &Context) {
 /// Of what is wrong, or would be refused.
 const WARNING: Color32 = Color32::from_rgb(230, 120, 90);
 
+/// Of where a file of heights begins.
+const FIRST: Color32 = Color32::from_rgb(255, 190, 60);
+
 /// Draws the quarters of the compass within the sides of a rectangle, and where a file of heights begins.
 fn compass(ui: &Ui, rect: egui::Rect, first: egui::Pos2) {
     let (font, weak) = (egui::FontId::proportional(11.0), ui.visuals().weak_text_color());
@@ -158,7 +168,7 @@ fn compass(ui: &Ui, rect: egui::Rect, first: egui::Pos2) {
     ] {
         ui.painter().text(place, align, name, font.clone(), weak);
     }
-    ui.painter().circle_filled(first, 4.0, Color32::from_rgb(255, 190, 60));
+    ui.painter().circle_filled(first, 4.0, FIRST);
 }
 
 /// A window in the middle that is a dialog. `None` where its cross was clicked.

@@ -11,7 +11,7 @@ use crate::editor::Editor;
 /// What is typed so far.
 #[derive(Debug, Clone)]
 pub(crate) struct NewTerrain {
-    path: String,
+    pub(super) path: String,
     /// Whether it was not drawn yet.
     is_new: bool,
     num_samples: [i64; 2],
@@ -36,16 +36,19 @@ impl Dialog {
     }
 }
 
-pub(super) fn show(editor: &mut Editor, ctx: &Context, mut new: NewTerrain) -> Option<NewTerrain> {
-    let mut is_made = false;
+pub(super) fn show(editor: &mut Editor, ctx: &Context, mut new: NewTerrain) -> Option<Dialog> {
+    let (mut is_made, mut is_browsing) = (false, false);
     let shown = super::window(ctx, "New terrain", |ui| {
         egui::Grid::new("new terrain").num_columns(2).show(ui, |ui| {
             let label = ui.label("Path");
-            let field = TextEdit::singleline(&mut new.path).desired_width(300.0);
-            let field = ui.add(field).labelled_by(label.id);
-            if std::mem::take(&mut new.is_new) {
-                field.request_focus();
-            }
+            ui.horizontal(|ui| {
+                let field = TextEdit::singleline(&mut new.path).desired_width(300.0);
+                let field = ui.add(field).labelled_by(label.id);
+                if std::mem::take(&mut new.is_new) {
+                    field.request_focus();
+                }
+                is_browsing = ui.button("Browse…").clicked();
+            });
             ui.end_row();
             let label = ui.label("Samples");
             ui.horizontal(|ui| {
@@ -75,9 +78,12 @@ pub(super) fn show(editor: &mut Editor, ctx: &Context, mut new: NewTerrain) -> O
             }
             Err(err) => {
                 editor.tell(err.to_string(), true);
-                Some(new)
+                Some(Dialog::New(new))
             }
         };
     }
-    shown.map(|()| new)
+    if is_browsing {
+        return Some(Dialog::browse_for_new(new));
+    }
+    shown.map(|()| Dialog::New(new))
 }

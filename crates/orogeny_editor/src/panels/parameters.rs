@@ -4,6 +4,7 @@ use egui::{CollapsingHeader, ComboBox, DragValue, Slider, TextEdit, Ui};
 use orogeny_engine::{BrushType, Parameter, ParameterKind};
 use serde_json::{Map, Value, json};
 
+use super::Dialog;
 use crate::command::{capitalised, words};
 use crate::editor::Editor;
 use crate::tool::{Twist, limits};
@@ -40,12 +41,17 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
         .filter(|parameter| !SHOWN_BEFORE.contains(&parameter.name))
         .filter(|parameter| !(is_declared && parameter.kind == ParameterKind::Values))
         .collect();
-    of_object(ui, &parameters, &mut object);
+    let mut browsed = None;
+    of_object(ui, &parameters, &mut object, &mut browsed);
     keep_in_step(&mut object, &before);
     if object != before {
         for name in before.keys().chain(object.keys()) {
             editor.tool.set(name, object.get(name).cloned());
         }
+    }
+    if let Some((mut names, given)) = browsed {
+        names.reverse();
+        editor.panels.dialog = Some(Dialog::browse_for_parameter(editor, names, &given));
     }
 }
 
@@ -100,8 +106,11 @@ fn keep_in_step(object: &mut Map<String, Value>, before: &Map<String, Value>) {
     }
 }
 
+/// A parameter that a file is to be chosen for, by the names that lead to it, its own first; with what it is now.
+type Browsed = Option<(Vec<&'static str>, String)>;
+
 /// The parameters of an object, or of one within it.
-fn of_object(ui: &mut Ui, parameters: &[&Parameter], object: &mut Map<String, Value>) {
+fn of_object(ui: &mut Ui, parameters: &[&Parameter], object: &mut Map<String, Value>, browsed: &mut Browsed) {
     for parameter in parameters {
         if let ParameterKind::Object { parameters } = parameter.kind {
             let is_given = object.contains_key(parameter.name);
@@ -112,7 +121,12 @@ fn of_object(ui: &mut Ui, parameters: &[&Parameter], object: &mut Map<String, Va
                     object.get(parameter.name).and_then(Value::as_object).cloned().unwrap_or_default();
                 let before = inner.clone();
                 let parameters: Vec<_> = parameters.iter().collect();
-                of_object(ui, &parameters, &mut inner);
+                let mut browsed_inside = None;
+                of_object(ui, &parameters, &mut inner, &mut browsed_inside);
+                if let Some((mut names, given)) = browsed_inside {
+                    names.push(parameter.name);
+                    *browsed = Some((names, given));
+                }
                 if inner.is_empty() {
                     object.remove(parameter.name);
                 } else if inner != before {
@@ -137,11 +151,20 @@ fn of_object(ui: &mut Ui, parameters: &[&Parameter], object: &mut Map<String, Va
             if let Some(value) = changed {
                 object.insert(parameter.name.to_owned(), value);
             }
+            if is_file(parameter) && ui.small_button("Browse…").clicked() {
+                let given = given.as_ref().and_then(Value::as_str).unwrap_or_default();
+                *browsed = Some((vec![parameter.name], given.to_owned()));
+            }
             if given.is_some() && ui.small_button("x").on_hover_text("Back to the default").clicked() {
                 object.remove(parameter.name);
             }
         });
     }
+}
+
+/// Whether it names a file.
+fn is_file(parameter: &Parameter) -> bool {
+    parameter.kind == ParameterKind::Text && parameter.name == "file"
 }
 
 /// One parameter; its new value where it was changed.

@@ -14,7 +14,7 @@ pub(super) fn show(editor: &mut Editor, ui: &mut Ui) {
         };
         match editor.viewport.hovered {
             Some(place) => {
-                let (height_m, slope_degrees) = document.view.ground([place.x, place.z]);
+                let (height_m, slope_degrees) = document.pane.view.ground([place.x, place.z]);
                 ui.monospace(format!(
                     "x {:>9.1} m   z {:>9.1} m   height {height_m:>8.2} m   slope {slope_degrees:>4.1}°",
                     place.x, place.z

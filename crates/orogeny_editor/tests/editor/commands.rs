@@ -100,6 +100,19 @@ fn a_layer_that_a_brush_makes_is_tuned_and_collapsed() {
     window.editor().run(Command::CollapseLayer, &ctx);
     window.settle();
     assert!(Window::heights(&path) == tuned, "what is shown stays");
+    // Filling a layer that a brush makes fills its mask: lower than all, it counts nowhere.
+    window.run(Command::Undo);
+    window.run(Command::Brush(BrushType::Lower));
+    for _ in 0..9 {
+        window.run(Command::Stronger);
+    }
+    window.harness.get_by_label("Fill").scroll_to_me();
+    window.frames(12);
+    window.click("Fill");
+    window.settle();
+    let history = window.history();
+    assert_eq!(history.last().map(String::as_str), Some("fill lower"));
+    assert!(Window::heights(&path) != tuned, "it counts as before");
     let said: Vec<_> = window.editor().errors().collect();
     assert!(said.is_empty(), "{said:?}");
 }

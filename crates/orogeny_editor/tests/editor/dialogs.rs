@@ -1,5 +1,7 @@
 //! Dialogs: making, opening, writing, preferences, first steps.
 
+use std::path::PathBuf;
+
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use orogeny_editor::{Command, Preferences};
@@ -132,6 +134,27 @@ fn the_next_start_is_where_one_was() {
     assert_eq!(window.editor().open_file().unwrap().file_name().unwrap(), "t.orogeny");
     assert_eq!(window.editor().camera().unwrap().eye_m, eye);
     assert_eq!(window.editor().brush_radius_m(), radius_m);
+}
+
+/// A terrain that is named from the folder that the program was started in is found from any other.
+#[test]
+fn what_was_open_is_remembered_by_all_of_its_path() {
+    let mut window = Window::empty();
+    let path = window.path("t.orogeny");
+    make_terrain(&path);
+    let depth = std::env::current_dir().unwrap().components().count() - 1;
+    let from_here: PathBuf =
+        std::iter::repeat_n("..".into(), depth).chain([path.strip_prefix("/").unwrap().to_owned()]).collect();
+    assert!(from_here.is_relative() && from_here.is_file());
+    window.editor().open(&from_here);
+    window.settle();
+    let folder = window.close();
+    let preferences = Preferences::read(&folder.path().join("editor.json")).unwrap();
+    assert!(
+        preferences.recent[0].is_absolute() && preferences.recent[0].is_file(),
+        "{:?}",
+        preferences.recent
+    );
 }
 
 #[test]

@@ -90,14 +90,7 @@ fn a_file_is_seen_before_it_is_imported() {
     let picture = window.harness.get_by_label("The file from above, north at the top").rect();
     assert!(picture.width() > 150.0, "{picture:?}");
     // Moved to the south-east, what is beyond the edge is left out.
-    let number = window.harness.get_by_role_and_label(egui::accesskit::Role::SpinButton, "x");
-    number.focus();
-    window.frames(2);
-    window.harness.key_press_modifiers(Modifiers::COMMAND, egui::Key::A);
-    window.frames(1);
-    window.harness.event(egui::Event::Text("300".to_owned()));
-    window.harness.key_press(egui::Key::Enter);
-    window.frames(3);
+    window.type_number("x", "300");
     window.harness.get_by_label("It covers 50.0 % of the terrain");
     window.harness.get_by_label_contains("edge is left out");
     window.click("Import");
@@ -118,14 +111,7 @@ fn what_a_file_does_not_say_is_asked_for() {
     assert!(window.harness.query_by_label("77 x 77 samples").is_none());
     window.click("Square");
     for (label, text) in [("wide", "120"), ("deep", "50")] {
-        let number = window.harness.get_by_role_and_label(egui::accesskit::Role::SpinButton, label);
-        number.focus();
-        window.frames(2);
-        window.harness.key_press_modifiers(Modifiers::COMMAND, egui::Key::A);
-        window.frames(1);
-        window.harness.event(egui::Event::Text(text.to_owned()));
-        window.harness.key_press(egui::Key::Enter);
-        window.frames(3);
+        window.type_number(label, text);
     }
     window.settle();
     window.harness.get_by_label("120 x 50 samples");
@@ -134,4 +120,40 @@ fn what_a_file_does_not_say_is_asked_for() {
     window.settle();
     let heights = Window::heights(&window.path("t.orogeny"));
     assert_eq!(f32::from_bits(heights[600 * 49 + 119]), 119.0);
+}
+
+#[test]
+fn a_file_is_turned_before_it_is_imported() {
+    let mut window = Window::open();
+    // 120 x 50 samples, each of another height.
+    let samples: Vec<u8> = (0..120 * 50).flat_map(|k: u16| k.to_le_bytes()).collect();
+    std::fs::write(window.path("h.raw"), samples).unwrap();
+    window.drop_file("h.raw");
+    window.settle();
+    window.click("Square");
+    for (label, text) in [("wide", "120"), ("deep", "50")] {
+        window.type_number(label, text);
+    }
+    window.settle();
+    let picture =
+        |window: &Window| window.harness.get_by_label("The file from above, north at the top").rect();
+    assert!(picture(&window).width() > picture(&window).height());
+    window.click("Turn right");
+    window.settle();
+    window.harness.get_by_label("50 x 120 samples");
+    window.harness.get_by_label("Turned by 90° clockwise");
+    assert!(picture(&window).width() < picture(&window).height());
+    window.click("Mirror north-south");
+    window.settle();
+    window.harness.get_by_label("Turned by 90° clockwise, then mirrored north-south");
+    window.click("Import");
+    window.settle();
+    let heights = Window::heights(&window.path("t.orogeny"));
+    let at = |x: usize, z: usize| f32::from_bits(heights[600 * z + x]);
+    // By a quarter its western column is the northern row, from the east; mirrored that is the southern one.
+    for (x, z) in [(0, 0), (49, 0), (0, 119), (49, 119), (13, 77)] {
+        let (column, row) = (119 - z, 49 - x);
+        assert_eq!(at(x, z), (120 * row + column) as f32, "{x} {z}");
+    }
+    assert_eq!(window.editor().errors().count(), 0);
 }

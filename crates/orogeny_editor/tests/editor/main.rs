@@ -6,6 +6,7 @@
     reason = "a test that meets what it does not expect is to fail there"
 )]
 
+mod browsing;
 mod brushing;
 mod commands;
 mod comparing;
@@ -22,4 +23,5 @@ mod pictures;
 mod presets;
 mod random;
 mod selecting;
+mod splitting;
 mod support;

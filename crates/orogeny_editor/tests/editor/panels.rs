@@ -82,3 +82,24 @@ fn panels_look_as_they_did() {
     window.frames(20);
     window.harness.snapshot_options("select", &options);
 }
+
+/// What an export is going to be, and presets with their pictures.
+#[test]
+fn exports_and_presets_look_as_they_did() {
+    let mut window = Window::open();
+    let options = SnapshotOptions::new().threshold(0.8).max_failed_pixels(200);
+    window.run(Command::Export);
+    // From where tests run: no path of the machine is in a picture.
+    window.type_into("Path", "terrains/island.r16");
+    window.click("Preset");
+    window.click("Unreal R16");
+    window.harness.event(egui::Event::PointerGone);
+    window.frames(20);
+    window.harness.snapshot_options("export", &options);
+    window.run(Command::Cancel);
+    window.type_into("Search", "trench");
+    window.harness.event(egui::Event::PointerGone);
+    window.settle();
+    window.frames(20);
+    window.harness.snapshot_options("presets", &options);
+}

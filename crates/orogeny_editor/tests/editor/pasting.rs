@@ -3,8 +3,9 @@
 use egui::{Event, Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable as _;
 use orogeny_editor::{Command, Hand};
+use orogeny_engine::{Quiet, Terrain, TerrainGrid};
 
-use crate::support::{MIDDLE, Window};
+use crate::support::{MIDDLE, Window, settings};
 
 /// A terrain looked down on, with a rectangle of it copied.
 fn with_something_copied() -> Window {
@@ -83,4 +84,50 @@ fn with_nothing_selected_nothing_is_copied() {
     window.run(Command::Copy);
     assert!(window.editor().last_message().unwrap().contains("nothing is selected"));
     assert!(window.editor().piece().is_none());
+}
+
+#[test]
+fn what_was_copied_is_put_down_in_another_terrain() {
+    let mut window = with_something_copied();
+    let from = Window::heights(&window.path("t.orogeny"));
+    let path = window.path("flat.orogeny");
+    let grid = TerrainGrid::new(600, 600, 1.0).unwrap();
+    Terrain::create(&path, grid, -40.0, settings()).unwrap().close().unwrap();
+    window.editor().open(&path);
+    window.settle();
+    window.harness.event(Event::PointerGone);
+    window.frames(2);
+    window.run(Command::Paste);
+    let [x_m, z_m, width_m, depth_m] = window.editor().piece().unwrap().region_m;
+    window.click("How it goes over into the ground");
+    window.click("As it is");
+    window.run(Command::PutDown);
+    let said: Vec<_> = window.editor().errors().collect();
+    assert!(said.is_empty(), "{said:?}");
+    assert_eq!(window.history(), ["fill clone"]);
+    // As it is, it lies where it was copied, with every bit; around it nothing changed.
+    let now = Window::heights(&path);
+    let (mut num_same, mut num_others) = (0, 0);
+    for (index, (was, is)) in from.iter().zip(&now).enumerate() {
+        let [x, z] = [index % 600, index / 600].map(|along| along as f64);
+        let is_inside = (x_m..x_m + width_m).contains(&x) && (z_m..z_m + depth_m).contains(&z);
+        match f32::from_bits(*is) {
+            -40.0 => num_others += usize::from(is_inside),
+            _ => {
+                assert!(is_inside && was == is, "{x} {z}: {}", f32::from_bits(*is));
+                num_same += 1;
+            }
+        }
+    }
+    assert!(
+        num_same as f64 > 0.9 * width_m * depth_m && num_others < num_same / 10,
+        "{num_same} {num_others}"
+    );
+    // The terrain that it came from is not needed any more.
+    let folder = window.close();
+    std::fs::remove_file(folder.path().join("t.orogeny")).unwrap();
+    let again = folder.path().join("again.orogeny");
+    let flat = Terrain::open_to_read(&folder.path().join("flat.orogeny"), settings()).unwrap();
+    flat.replay(&again, settings(), &mut Quiet).unwrap();
+    assert!(Window::heights(&again) == now);
 }

@@ -1,17 +1,18 @@
-//! The pictures of the guide to the editor. `cargo xtask pictures` draws them anew, which sets `OROGENY_PICTURES=write`; without that they are
-//! held to what the guide says.
+//! The pictures of the guide to the editor. `cargo xtask pictures` draws them anew, which sets `OROGENY_PICTURES=write`; `OROGENY_PICTURES=split,map`
+//! draws these alone. Without that they are held to what the guide says.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use egui::{ColorImage, Modifiers, Rect, TextureHandle, TextureOptions, pos2, vec2};
+use egui::{Modifiers, Rect, TextureHandle, TextureOptions, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use orogeny_editor::{Command, Hand};
-use orogeny_engine::{BrushType, ImportRequest, Picture, Quiet, Terrain};
+use orogeny_engine::{BrushType, ImportRequest, Mode, Picture, Quiet, Terrain};
 use tracing::Level;
 
-use crate::support::{MIDDLE, Window, curve, settings};
+use crate::support::{MIDDLE, Window, curve, pixels, settings};
 
 /// The longest that a picture may be, bytes.
 const MAX_BYTES: u64 = 300_000;
@@ -31,8 +32,9 @@ enum Part {
 /// The name of a picture, what brings the window to show it, and what of that is drawn.
 type Shot = (&'static str, fn(&mut Window), Part);
 
-const SHOTS: [Shot; 13] = [
+const SHOTS: [Shot; 14] = [
     ("window", |_| {}, Part::All),
+    ("split", split, Part::All),
     ("own-brush", own_brush, Part::Left),
     ("curve", profile_curve, Part::Left),
     ("layers", |window| window.run(Command::AddProcedure), Part::Right),
@@ -53,6 +55,13 @@ fn root() -> PathBuf {
 
 fn file(name: &str) -> PathBuf {
     root().join(format!("docs/images/editor-{name}.png"))
+}
+
+fn split(window: &mut Window) {
+    window.run(Command::SplitView);
+    window.run(Command::LookDown);
+    window.run(Command::Mode(Mode::Slope));
+    window.run(Command::SwitchView);
 }
 
 fn own_brush(window: &mut Window) {
@@ -134,38 +143,18 @@ impl Window {
         window
     }
 
-    /// Shows the ground as it was drawn last: by a copy, as the panels are drawn on another device.
-    fn copy_ground(&mut self) -> Option<TextureHandle> {
-        let view = self.editor().take_picture_view()?;
-        let texture = view.texture();
-        let (device, queue) = (self.gpu.device(), self.gpu.queue());
-        let (width, height) = (texture.width(), texture.height());
-        let row_bytes = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(row_bytes) * u64::from(height),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
+    /// Shows the ground as it was drawn last: by copies, as the panels are drawn on another device.
+    fn copy_ground(&mut self) -> Vec<TextureHandle> {
+        let (gpu, ctx) = (self.gpu.clone(), self.harness.ctx.clone());
+        let mut copies = Vec::new();
+        self.editor().take_pictures(|view, _| {
+            let image = pixels(&gpu, view);
+            let copy = ctx.load_texture("ground", image, TextureOptions::LINEAR);
+            let id = copy.id();
+            copies.push(copy);
+            id
         });
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None };
-        let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-        encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
-        queue.submit([encoder.finish()]);
-        buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.unwrap());
-        device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-        let bytes = buffer.slice(..).get_mapped_range().unwrap();
-        let rows = bytes.chunks_exact(row_bytes as usize);
-        let rgb: Vec<u8> = rows
-            .flat_map(|row| {
-                row[..4 * width as usize].chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
-            })
-            .collect();
-        let image = ColorImage::from_rgb([width as usize, height as usize], &rgb);
-        let texture = self.harness.ctx.load_texture("ground", image, TextureOptions::LINEAR);
-        self.editor().set_picture(texture.id());
-        Some(texture)
+        copies
     }
 
     fn rect_of(&self, part: &Part) -> Rect {
@@ -198,9 +187,10 @@ fn draw(name: &str, bring: fn(&mut Window), part: &Part) {
     window.harness.event(egui::Event::PointerGone);
     window.frames(10);
     // The ground is drawn fine once nothing has moved for a while, and then finer from frame to frame.
+    window.has_time.store(true, Ordering::Relaxed);
     std::thread::sleep(Duration::from_millis(500));
     for _ in 0..8 {
-        window.editor().renew_picture();
+        window.editor().renew_pictures();
         window.frames(1);
     }
     let ground = window.copy_ground();
@@ -217,8 +207,9 @@ fn draw(name: &str, bring: fn(&mut Window), part: &Part) {
 
 #[test]
 fn every_picture_is_in_the_guide_and_small() {
-    if std::env::var_os("OROGENY_PICTURES").is_some_and(|word| word == "write") {
-        for (name, bring, part) in SHOTS {
+    let asked_for = std::env::var("OROGENY_PICTURES").unwrap_or_default();
+    for (name, bring, part) in SHOTS {
+        if asked_for == "write" || asked_for.split(',').any(|asked| asked == name) {
             draw(name, bring, &part);
         }
     }

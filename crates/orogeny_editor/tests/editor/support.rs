@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use egui::{Event, Key, Modifiers, PointerButton, Pos2, pos2};
+use egui::{ColorImage, Event, Key, Modifiers, PointerButton, Pos2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use orogeny_editor::{Command, Editor, EditorOptions, Log, Preferences};
@@ -24,6 +25,8 @@ pub struct Window {
     pub folder: tempfile::TempDir,
     /// What it notes.
     pub log: Log,
+    /// Whether there is time to draw as finely as can be.
+    pub has_time: Arc<AtomicBool>,
 }
 
 pub fn settings() -> Settings {
@@ -98,18 +101,21 @@ impl Window {
             }),
         };
         let gpu = Self::new_gpu();
+        let has_time = Arc::new(AtomicBool::new(false));
+        let is_quick = Arc::clone(&has_time);
         let editor = Editor::new(options, gpu.clone(), || {});
         let harness = Harness::builder().with_size(size).with_max_steps(64).build_ui_state(
-            |ui, editor: &mut Editor| {
+            move |ui, editor: &mut Editor| {
                 let start = Instant::now();
                 editor.update();
                 editor.ui(ui);
                 // A software driver draws as coarsely as it may.
-                editor.note_frame(start.elapsed() + Duration::from_secs(1));
+                let elapsed = start.elapsed() + Duration::from_secs(1);
+                editor.note_frame(if is_quick.load(Ordering::Relaxed) { Duration::ZERO } else { elapsed });
             },
             editor,
         );
-        let mut window = Self { gpu, harness, folder, log };
+        let mut window = Self { gpu, harness, folder, log, has_time };
         window.frames(6);
         window
     }
@@ -171,6 +177,17 @@ impl Window {
         self.frames(2);
     }
 
+    /// Types into a field for a number.
+    pub fn type_number(&mut self, label: &str, text: &str) {
+        self.harness.get_by_role_and_label(egui::accesskit::Role::SpinButton, label).focus();
+        self.frames(2);
+        self.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        self.frames(1);
+        self.harness.event(Event::Text(text.to_owned()));
+        self.harness.key_press(Key::Enter);
+        self.frames(3);
+    }
+
     /// Drops a file of the folder on the window.
     pub fn drop_file(&mut self, name: &str) {
         let file = Arc::new(Dropped(self.path(name)));
@@ -228,4 +245,34 @@ pub fn curve(num: u32) -> Vec<Pos2> {
             pos2(MIDDLE.x - 90.0 + 180.0 * along, MIDDLE.y + 40.0 * (7.0 * along).sin())
         })
         .collect()
+}
+
+/// A picture of the ground, as colours for egui.
+pub fn pixels(gpu: &Gpu, view: &wgpu::TextureView) -> ColorImage {
+    let texture = view.texture();
+    let (device, queue) = (gpu.device(), gpu.queue());
+    let (width, height) = (texture.width(), texture.height());
+    let row_bytes = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(row_bytes) * u64::from(height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None };
+    let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+    queue.submit([encoder.finish()]);
+    buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.unwrap());
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    let bytes = buffer.slice(..).get_mapped_range().unwrap();
+    let rows = bytes.chunks_exact(row_bytes as usize);
+    let rgb: Vec<u8> = rows
+        .flat_map(|row| {
+            row[..4 * width as usize].chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
+        })
+        .collect();
+    ColorImage::from_rgb([width as usize, height as usize], &rgb)
 }

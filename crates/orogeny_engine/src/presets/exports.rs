@@ -100,6 +100,10 @@ pub struct PlannedExport {
     pub range_m: Option<[f64; 2]>,
     /// Bytes of samples, without what a format packs them into.
     pub num_bytes: u64,
+    /// Which byte of a sample comes first, where the format leaves that open.
+    pub byte_order: ByteOrder,
+    /// Whether the southern row comes first.
+    pub is_south_first: bool,
 }
 
 impl ExportSizes {
@@ -152,6 +156,24 @@ impl ExportPreset {
             ExportRange::Own(range_m) => Some(range_m),
             ExportRange::Metres => None,
         }
+    }
+
+    /// Refuses a file of another format than its own.
+    ///
+    /// # Errors
+    /// [`Error::Preset`], with the name to give instead; [`Error::Format`] for a name that tells no format.
+    pub fn check_file(&self, file: &Path) -> Result<()> {
+        let own = file.with_extension(&self.ending);
+        if Format::from_path(file, Direction::Export)? == Format::from_path(&own, Direction::Export)? {
+            return Ok(());
+        }
+        let detail = format!(
+            "it is for .{} files, and `{}` is none: write `{}`",
+            self.ending,
+            file.display(),
+            own.display()
+        );
+        Err(preset::unusable(format!("the export preset {:?}", self.name), detail))
     }
 
     /// What is wrong with it, for people.
@@ -211,7 +233,8 @@ impl ExportProgram {
     /// What has to be typed there so that an export lies as it lay, one line each.
     #[must_use]
     pub fn advice(self, planned: &PlannedExport) -> Vec<String> {
-        let PlannedExport { size: [width, depth], spacing_m: [x_m, z_m], range_m, .. } = *planned;
+        let PlannedExport { size: [width, depth], spacing_m: [x_m, z_m], range_m, byte_order, .. } = *planned;
+        let is_big = byte_order == ByteOrder::Big;
         let [low_m, high_m] = range_m.unwrap_or([0.0, STEPS_OF_16_BITS]);
         let span_m = high_m - low_m;
         let sides_m = [(width.max(1) - 1, x_m), (depth.max(1) - 1, z_m)].map(|(num, m)| f64::from(num) * m);
@@ -233,7 +256,9 @@ impl ExportProgram {
             // It divides by 65,536, one more than the last sample.
             Self::Unity => vec![
                 format!(
-                    "Resolution {width} x {depth}, Depth 16 bit, Byte Order Windows, Flip Vertically off"
+                    "Resolution {width} x {depth}, Depth 16 bit, Byte Order {}, Flip Vertically {}",
+                    if is_big { "Mac" } else { "Windows" },
+                    if planned.is_south_first { "off" } else { "on" }
                 ),
                 format!(
                     "Terrain Size X {width_m:.2}, Y {:.3}, Z {depth_m:.2}; position Y {low_m:.3}",
@@ -245,7 +270,10 @@ impl ExportProgram {
                 format!("Vertex Spacing {x_m:.4}"),
             ],
             Self::Hterrain => vec![
-                format!("Min height {low_m:.3}, Max height {high_m:.3}, little endian"),
+                format!(
+                    "Min height {low_m:.3}, Max height {high_m:.3}, {} endian",
+                    if is_big { "big" } else { "little" }
+                ),
                 format!("Map scale X {x_m:.4}, Z {z_m:.4}"),
             ],
             Self::Blender => vec![
@@ -340,7 +368,11 @@ impl ExportPresets {
             self.own.get(&key).or_else(|| self.factory.iter().find(|known| name::slug(&known.name) == key));
         found.ok_or_else(|| {
             let names: Vec<_> = self.iter().map(|known| format!("`{}`", known.name)).collect();
-            let advice = format!("those for exports are {}", names.join(", "));
+            let mut advice = format!("those for exports are {}", names.join(", "));
+            // It may be in a file that could not be read.
+            for err in &self.unusable {
+                advice.push_str(&format!("; {err}"));
+            }
             Error::UnknownPreset { name: name.to_owned(), advice }
         })
     }
@@ -425,6 +457,8 @@ mod tests {
             spacing_m: [2.0, 2.0],
             range_m: Some([-120.0, 640.0]),
             num_bytes: 0,
+            byte_order: ByteOrder::Little,
+            is_south_first: true,
         };
         let numbers = |line: &str| -> Vec<f64> {
             line.split([' ', ',', ';']).filter_map(|word| word.parse().ok()).collect()
@@ -443,6 +477,21 @@ mod tests {
             let there_m = position_y + sample / 65_536.0 * size_y;
             assert!((there_m - height_m).abs() < 0.001, "{sample}: {there_m}");
         }
+    }
+
+    #[test]
+    fn what_is_to_be_typed_says_how_the_file_begins() {
+        let planned = PlannedExport {
+            size: [33, 33],
+            spacing_m: [1.0, 1.0],
+            range_m: Some([0.0, 1.0]),
+            num_bytes: 0,
+            byte_order: ByteOrder::Big,
+            is_south_first: false,
+        };
+        let of = |program: ExportProgram| program.advice(&planned).join("\n");
+        assert!(of(ExportProgram::Unity).contains("Byte Order Mac, Flip Vertically on"));
+        assert!(of(ExportProgram::Hterrain).contains("big endian"));
     }
 
     #[test]
