@@ -338,6 +338,23 @@ impl Command {
         }
     }
 
+    /// Whether it opens a dialog, in which something is typed or chosen.
+    #[must_use]
+    pub const fn opens_dialog(self) -> bool {
+        matches!(
+            self,
+            Self::New
+                | Self::Open
+                | Self::Import
+                | Self::Export
+                | Self::AddBrush
+                | Self::AddPreset
+                | Self::CommandPalette
+                | Self::ShowPreferences
+                | Self::ShowTutorial
+        )
+    }
+
     /// The menu that it stands in.
     #[must_use]
     pub const fn menu(self) -> Menu {

@@ -93,6 +93,8 @@ pub struct Editor {
     is_closing: bool,
     /// When preferences were last looked at.
     remembered: Instant,
+    /// What was typed after the key that opened a dialog, until that is there.
+    late: Vec<egui::Event>,
     /// Pictures that egui knows and that are shown no more.
     pub(crate) left_pictures: Vec<TextureId>,
 }
@@ -148,6 +150,7 @@ impl Editor {
             messages: wrong.into_iter().collect(),
             is_closing: false,
             remembered: Instant::now(),
+            late: Vec::new(),
             left_pictures: Vec::new(),
         }
     }
@@ -444,8 +447,14 @@ impl Editor {
 
     /// Draws everything, and takes input.
     pub fn ui(&mut self, ui: &mut Ui) {
+        let late = std::mem::take(&mut self.late);
+        ui.input_mut(|input| drop(input.events.splice(0..0, late)));
         let typing = ui.ctx().egui_wants_keyboard_input();
         if !typing {
+            self.late = ui.input_mut(|input| self.keymap.take_late(&mut input.events));
+            if !self.late.is_empty() {
+                ui.ctx().request_repaint();
+            }
             let pressed = ui.input_mut(|input| self.keymap.take_pressed(input));
             for command in pressed {
                 match command {

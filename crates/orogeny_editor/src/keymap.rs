@@ -208,6 +208,24 @@ impl Keymap {
             .collect()
     }
 
+    /// Takes what was typed after the key of a command that opens a dialog: it is for that, and no keys of other commands. On a slow
+    /// machine all of it comes in one frame.
+    pub fn take_late(&self, events: &mut Vec<Event>) -> Vec<Event> {
+        let opens = |event: &Event| {
+            let Event::Key { key, pressed: true, modifiers, .. } = event else { return false };
+            let is_it = |shortcut: &KeyboardShortcut| {
+                shortcut.logical_key == *key && modifiers.matches_logically(shortcut.modifiers)
+            };
+            self.keys.values().any(|(command, shortcut)| command.opens_dialog() && is_it(shortcut))
+        };
+        let Some(opening) = events.iter().position(opens) else { return Vec::new() };
+        let after = events.split_off(opening + 1);
+        let is_typed = |event: &Event| matches!(event, Event::Key { .. } | Event::Text(_) | Event::Paste(_));
+        let (typed, others): (Vec<_>, Vec<_>) = after.into_iter().partition(is_typed);
+        events.extend(others);
+        typed
+    }
+
     /// A key for preferences: `Ctrl+Shift+Z`.
     #[must_use]
     pub fn text(shortcut: &KeyboardShortcut) -> String {

@@ -1,8 +1,8 @@
 //! Commands: each of them, with and without a terrain.
 
-use egui::{Key, Modifiers};
+use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
-use orogeny_editor::Command;
+use orogeny_editor::{Command, Hand};
 use orogeny_engine::BrushType;
 
 use crate::support::{Window, curve};
@@ -40,11 +40,30 @@ fn the_palette_finds_a_command_by_parts_of_its_name() {
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
     window.frames(3);
     window.harness.get_by_label("Find a command");
-    window.harness.event(egui::Event::Text("height ban".to_owned()));
+    window.harness.event(Event::Text("height ban".to_owned()));
     window.frames(2);
     window.harness.key_press(Key::Enter);
     window.frames(3);
     assert_eq!(window.editor().mode().name(), "height-bands");
+    assert!(window.harness.query_by_label("Find a command").is_none());
+}
+
+/// All in one frame, as it comes where frames are slow: none of the letters is a key of a command.
+#[test]
+fn what_is_typed_before_the_palette_is_there_is_for_it() {
+    let mut window = Window::open();
+    let press =
+        |key, modifiers| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+    let events = &mut window.harness.input_mut().events;
+    events.push(press(Key::P, Modifiers::COMMAND));
+    for letter in ["l", "o", "w", "e", "r"] {
+        events.push(press(Key::from_name(&letter.to_uppercase()).unwrap(), Modifiers::NONE));
+        events.push(Event::Text(letter.to_owned()));
+    }
+    events.push(press(Key::Enter, Modifiers::NONE));
+    window.frames(4);
+    // O is the key of the lasso, R that of the rectangle.
+    assert_eq!((window.editor().hand(), window.editor().brush_type()), (Hand::Brush, BrushType::Lower));
     assert!(window.harness.query_by_label("Find a command").is_none());
 }
 
