@@ -5,7 +5,6 @@ use egui::{
     Vec2, pos2, vec2,
 };
 use orogeny_engine::{Cursor, Mode, PointerSample, ViewRequest};
-use serde_json::Value;
 
 use crate::comparing::{COMPARING, legend};
 use crate::document::Document;
@@ -26,6 +25,7 @@ impl Editor {
         let Some(document) = &mut self.document else { return };
         let before = (document.pane.camera, self.viewport.hovered);
         let mut wishes = Vec::new();
+        self.viewport.is_airbrush = self.tool.is_airbrush();
         if let Some(mine) = rooms.first() {
             wishes = self.viewport.show(ui, mine, document, &mut self.request);
         }
@@ -185,7 +185,7 @@ impl Editor {
             }
             Wish::Points(points) => {
                 let Some(stroke) = document.stroke else { return };
-                let has_time = self.tool.object().get("airbrush").and_then(Value::as_bool) == Some(true);
+                let has_time = self.tool.is_airbrush();
                 let sample = |point: Point| {
                     let [x_m, z_m] = point.place_m;
                     let sample = PointerSample::at(x_m, z_m).with_pressure(point.pressure);

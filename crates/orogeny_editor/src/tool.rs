@@ -73,6 +73,12 @@ impl Tool {
         self.objects.get(self.brush_type.name()).cloned().unwrap_or_default()
     }
 
+    /// Whether the brush goes on where it rests.
+    #[must_use]
+    pub fn is_airbrush(&self) -> bool {
+        self.object().get("airbrush").and_then(Value::as_bool) == Some(true)
+    }
+
     /// Changes a parameter of the brush; `None` for its default.
     pub fn set(&mut self, name: &str, value: Option<Value>) {
         let object = self.objects.entry(self.brush_type.name().to_owned()).or_default();

@@ -15,6 +15,8 @@ use crate::tool::Twist;
 const FLY_SHARE: f64 = 0.8;
 /// The slowest flight, metres a second.
 const MIN_FLY_M: f64 = 2.0;
+/// How long a hand rests before an airbrush is told, seconds.
+const REST_S: f64 = 1.0 / 30.0;
 /// Points of the wheel that are a step.
 const WHEEL_STEP: f32 = 50.0;
 /// How near to a handle the pointer takes hold of it, in points.
@@ -70,6 +72,10 @@ pub struct Viewport {
     last: Option<DVec3>,
     /// When the stroke began, by the clock of the window, seconds.
     stroke_start_s: f64,
+    /// When its last point was given.
+    last_point_s: f64,
+    /// Whether the brush goes on where it rests.
+    pub is_airbrush: bool,
     /// How hard the pen is pressed, where it tells.
     pressure: Option<f32>,
     /// How large the picture is, in points.
@@ -249,6 +255,9 @@ impl Viewport {
                         Grip::None => false,
                     };
                     if is_mine && self.grip == Grip::Drawing {
+                        if points.is_empty() {
+                            points.extend(self.rest(at, now_s, 0.0, sight, document));
+                        }
                         wishes
                             .extend((!points.is_empty()).then(|| Wish::Points(std::mem::take(&mut points))));
                         wishes.push(Wish::Lift);
@@ -273,7 +282,13 @@ impl Viewport {
                 _ => {}
             }
         }
-        wishes.extend((!points.is_empty()).then_some(Wish::Points(points)));
+        if self.grip == Grip::Drawing && points.is_empty() {
+            points.extend(self.rest(at, now_s, REST_S, sight, document));
+        }
+        if !points.is_empty() {
+            self.last_point_s = now_s;
+            wishes.push(Wish::Points(points));
+        }
         self.hovered = at
             .filter(|_| is_over && self.grip != Grip::Looking)
             .and_then(|at| document.pane.view.pick(sight.camera.eye_m(), sight.direction(at)));
@@ -395,6 +410,19 @@ impl Viewport {
             pressure: self.pressure.unwrap_or(1.0).clamp(0.0, 1.0),
             time_s: now_s - self.stroke_start_s,
         })
+    }
+
+    /// What a hand that rests adds to a stroke: where the brush goes on by itself, where it is, once it has been there for so long.
+    fn rest(
+        &self,
+        at: Option<Pos2>,
+        now_s: f64,
+        for_s: f64,
+        sight: &Sight,
+        document: &Document,
+    ) -> Option<Point> {
+        let has_rested = self.is_airbrush && now_s - self.last_point_s > for_s;
+        self.point(at.filter(|_| has_rested)?, now_s, sight, document)
     }
 
     fn meet(&self, at: Pos2, sight: &Sight, document: &Document) -> Option<DVec3> {

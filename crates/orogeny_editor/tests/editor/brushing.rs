@@ -1,6 +1,7 @@
 //! Strokes by mouse.
 
 use egui::{Event, Key, Modifiers, PointerButton};
+use egui_kittest::kittest::Queryable as _;
 
 use crate::support::{MIDDLE, Window, curve};
 
@@ -70,6 +71,38 @@ fn strokes_do_not_depend_on_how_many_frames_they_take() {
         results.push(Window::heights(&folder.path().join("t.orogeny")));
     }
     assert!(results[0] == results[1] && results[1] == results[2]);
+}
+
+#[test]
+fn an_airbrush_goes_on_where_the_hand_rests() {
+    let sum = |heights: &[u32]| heights.iter().map(|bits| f64::from(f32::from_bits(*bits))).sum::<f64>();
+    let mut results = Vec::new();
+    for (has_airbrush, num_frames) in [(false, 4), (false, 40), (true, 4), (true, 40)] {
+        let mut window = Window::open();
+        if has_airbrush {
+            window.harness.get_by_label("Airbrush").scroll_to_me();
+            window.frames(3);
+            window.click("Airbrush");
+        }
+        window.button(MIDDLE, true, Modifiers::NONE);
+        window.frames(num_frames);
+        // A hand that is lifted does not move before.
+        window.harness.event(Event::PointerButton {
+            pos: MIDDLE,
+            button: PointerButton::Primary,
+            pressed: false,
+            modifiers: Modifiers::NONE,
+        });
+        window.harness.step();
+        window.settle();
+        assert_eq!(window.history().len(), 2);
+        let folder = window.close();
+        results.push(sum(&Window::heights(&folder.path().join("t.orogeny"))));
+    }
+    assert_eq!(results[0], results[1], "a dab is a dab");
+    // Of the plain dab as much as an airbrush adds in some time.
+    assert!(results[3] - results[2] > results[2] - results[0], "{results:?}");
+    assert!(results[3] > results[0] + 1.0, "{results:?}");
 }
 
 #[test]
