@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use crate::program::Folder;
 
 const WAIT: Duration = Duration::from_secs(120);
-/// What a frame takes at most on a busy machine: what is typed before a dialog is there is not for it.
+/// What a frame takes at most on a busy machine: what is typed before a dialog is there is not for it, and what is drawn before one is gone is
+/// not for the ground.
 const FRAME: Duration = Duration::from_secs(3);
 /// The middle of the ground in the window.
 const MIDDLE: [i32; 2] = [700, 480];
@@ -75,6 +76,7 @@ impl Screen {
 
     /// Draws with the left button; leaves it pressed if so asked.
     fn draw(&self, is_left_pressed: bool) {
+        std::thread::sleep(FRAME);
         let [x, y] = MIDDLE;
         self.move_to(x - 80, y);
         self.hands(&["mousedown", "1"]);
@@ -99,8 +101,6 @@ impl Screen {
             let preferences: Value = serde_json::from_str(&text).unwrap_or_default();
             preferences["recent"][0].as_str().is_some_and(|path| path.ends_with("t.orogeny"))
         });
-        // The first frames.
-        std::thread::sleep(Duration::from_secs(2));
         child
     }
 }
