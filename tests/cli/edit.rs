@@ -1,10 +1,9 @@
 //! The editor in a real window, on a screen that no one sees, driven by mouse and keys as by a person.
 
-use std::io::{BufRead as _, BufReader};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use orogeny_tests::skip;
+use orogeny_tests::{Killed, Screen, skip};
 use serde_json::{Value, json};
 
 use crate::program::Folder;
@@ -16,46 +15,20 @@ const FRAME: Duration = Duration::from_secs(3);
 /// The middle of the ground in the window.
 const MIDDLE: [i32; 2] = [700, 480];
 
-/// A process that ends with the test.
-struct Killed(Child);
+/// Someone before a screen, with a mouse and keys.
+struct Person(Screen);
 
-impl Drop for Killed {
-    fn drop(&mut self) {
-        self.0.kill().ok();
-        self.0.wait().ok();
-    }
-}
-
-/// A screen, with a mouse and keys.
-struct Screen {
-    _server: Killed,
-    display: String,
-}
-
-impl Screen {
-    /// `None` where there is no program that makes one.
+impl Person {
+    /// `None` where there is no program that makes a screen, or none that moves hands.
     fn new() -> Option<Self> {
-        let is_there = |program: &str, asked_by: &str| {
-            let asked =
-                Command::new(program).arg(asked_by).stdout(Stdio::null()).stderr(Stdio::null()).status();
-            asked.is_ok_and(|status| status.success())
-        };
-        if !is_there("Xvfb", "-help") || !is_there("xdotool", "--version") {
-            return None;
-        }
-        let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1440x900x24", "-noreset"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let mut number = String::new();
-        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
-        Some(Self { _server: Killed(server), display: format!(":{}", number.trim()) })
+        let asked =
+            Command::new("xdotool").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+        asked.is_ok_and(|status| status.success()).then(|| Screen::new(None))?.map(Self)
     }
 
     fn hands(&self, arguments: &[&str]) {
-        let status = Command::new("xdotool").env("DISPLAY", &self.display).args(arguments).status().unwrap();
+        let status =
+            Command::new("xdotool").env("DISPLAY", &self.0.display).args(arguments).status().unwrap();
         assert!(status.success(), "xdotool {arguments:?}");
     }
 
@@ -90,7 +63,7 @@ impl Screen {
 
     fn editor(&self, folder: &Folder) -> Killed {
         let mut command = folder.command("edit t.orogeny --preferences editor.json");
-        command.env("DISPLAY", &self.display).env_remove("WAYLAND_DISPLAY");
+        command.env("DISPLAY", &self.0.display).env_remove("WAYLAND_DISPLAY");
         command.stdout(Stdio::null()).stderr(std::fs::File::create(folder.path("stderr.txt")).unwrap());
         let child = Killed(command.spawn().unwrap());
         self.hands(&["search", "--sync", "--onlyvisible", "--name", "^Orogeny$"]);
@@ -126,7 +99,7 @@ fn applied(folder: &Folder) -> Vec<String> {
 
 #[test]
 fn a_person_paints_exports_is_cut_off_and_goes_on() {
-    let Some(screen) = Screen::new() else {
+    let Some(screen) = Person::new() else {
         return skip("edit", "Xvfb and xdotool are not both there; `cargo xtask setup` installs them");
     };
     let folder = Folder::new();

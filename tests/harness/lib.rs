@@ -6,6 +6,7 @@
 //! - [`compare`]: by bits, or within a [`Tolerance`] at each sample; each comparison is tested to fail.
 //! - [`Reach`]: how many instances act on each sample, and the tolerance between back ends that follows.
 //! - [`WatchedPages`]: a page store that counts, and that fails when it is told to.
+//! - [`Screen`]: one that no one sees, for windows.
 //! - [`skip`]: for what a machine cannot run. Said, written down and counted.
 
 #![allow(
@@ -23,6 +24,7 @@ mod operation;
 mod plane;
 mod random;
 mod reach;
+mod screen;
 mod skip;
 pub mod terrain;
 mod watched;
@@ -33,6 +35,7 @@ pub use operation::{Feed, Operation, Painted, Split, apply, paint, plan, resourc
 pub use plane::{PADDING_M, Plane};
 pub use random::Random;
 pub use reach::Reach;
+pub use screen::{Killed, Screen};
 pub use skip::skip;
 pub use watched::WatchedPages;
 

@@ -1,6 +1,6 @@
 //! One device, with everything that goes wrong on it recorded.
 
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -10,6 +10,8 @@ use crate::{Error, Result};
 
 /// How long the device may take for what was submitted before it counts as hung.
 const TIMEOUT: Duration = Duration::from_secs(60);
+/// How long another thread usually takes to tell on what it has heard.
+const TELL_TIME: Duration = Duration::from_micros(50);
 
 /// A device and its queue. Cheap to clone; all clones are the same device.
 #[derive(Debug, Clone)]
@@ -168,13 +170,22 @@ impl Gpu {
         Error::Timeout { timeout_s: self.timeout.as_secs_f32() }
     }
 
-    /// [`check`](Self::check)s, and that it does not take too long since some time.
+    /// Waits until all submitted work is done, and whoever asked was told so: another who waits for the device at the same time may be
+    /// the one who hears it, and is yet to tell it on.
     ///
     /// # Errors
     /// As [`wait`](Self::wait).
-    pub(crate) fn check_within(&self, start: Instant) -> Result<()> {
-        self.check()?;
-        if start.elapsed() > self.timeout { Err(self.hung()) } else { Ok(()) }
+    pub(crate) fn wait_until_told(&self, is_told: impl Fn() -> bool) -> Result<()> {
+        self.wait()?;
+        let start = Instant::now();
+        while !is_told() {
+            self.check()?;
+            if start.elapsed() > self.timeout {
+                return Err(self.hung());
+            }
+            std::thread::sleep(TELL_TIME);
+        }
+        Ok(())
     }
 
     /// A buffer.
@@ -212,16 +223,11 @@ impl Gpu {
     /// # Errors
     /// As [`wait`](Self::wait).
     pub fn read_buffer(&self, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
-        let (tell, told) = channel();
-        // Whoever asked may have given up.
-        buffer.map_async(wgpu::MapMode::Read, .., move |mapped| _ = tell.send(mapped).ok());
-        self.wait()?;
-        // Another who waits for the device at the same time may be the one who is told.
-        match told.recv_timeout(self.timeout) {
-            Ok(Ok(())) => {}
-            Ok(Err(_)) | Err(RecvTimeoutError::Disconnected) => return Err(self.unreachable()),
-            Err(RecvTimeoutError::Timeout) => return Err(self.hung()),
-        }
+        let is_told = Arc::new(AtomicBool::new(false));
+        let noted = Arc::clone(&is_told);
+        // Whether it was mapped is seen below.
+        buffer.map_async(wgpu::MapMode::Read, .., move |_| noted.store(true, Ordering::Release));
+        self.wait_until_told(|| is_told.load(Ordering::Acquire))?;
         let words = {
             let mapped = buffer.get_mapped_range(..).map_err(|_| self.unreachable())?;
             bytemuck::pod_collect_to_vec(&mapped)

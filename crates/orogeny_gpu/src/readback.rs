@@ -6,7 +6,6 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::time::{Duration, Instant};
 
 use crate::{Gpu, Result};
 
@@ -36,9 +35,6 @@ struct UnderWay<T> {
     /// [`WAITING`], [`MAPPED`] or [`FAILED`], set by the driver's callback.
     state: Arc<AtomicU8>,
 }
-
-/// How long another thread usually takes to tell on what has arrived.
-const TELL_TIME: Duration = Duration::from_micros(50);
 
 const WAITING: u8 = 0;
 const MAPPED: u8 = 1;
@@ -135,16 +131,9 @@ impl<T> ReadbackBelt<T> {
         if self.under_way.is_empty() {
             return Ok(Vec::new());
         }
-        self.gpu.wait()?;
-        let mut arrived = self.collect()?;
-        let start = Instant::now();
-        // They have arrived; but who else waits for the device at the same time may be the one who is told, and is yet to tell it on.
-        while !self.under_way.is_empty() {
-            self.gpu.check_within(start)?;
-            std::thread::sleep(TELL_TIME);
-            arrived.extend(self.collect()?);
-        }
-        Ok(arrived)
+        let has_arrived = |one: &UnderWay<T>| one.state.load(Ordering::Acquire) != WAITING;
+        self.gpu.wait_until_told(|| self.under_way.iter().all(has_arrived))?;
+        self.collect()
     }
 
     fn collect(&mut self) -> Result<Vec<ReadBack<T>>> {

@@ -78,7 +78,7 @@ impl Figure {
 
     /// A size, which is the same each time.
     pub fn size(name: String, bytes: f64) -> Self {
-        Self::of_spread(name, Unit::Bytes, Spread::of(vec![bytes]))
+        Self::sizes(name, vec![bytes])
     }
 
     /// A size, measured several times.

@@ -345,10 +345,7 @@ impl GpuExecutor {
         self.use_alpha(batch.pass.bitmap())?;
         let uniform = BrushUniform::from(&batch.pass);
         let usage = wgpu::BufferUsages::UNIFORM;
-        let own_buffers = (own.uniforms.iter().map(|bytes| (usage, bytes)))
-            .chain(own.storage.iter().map(|bytes| (storage, bytes)))
-            .map(|(usage, bytes)| Ok(self.gpu.create_buffer_with("orogeny.brush.own", usage, bytes)?))
-            .collect::<Result<_>>()?;
+        let own_buffers = uniforms::own_buffers(&self.gpu, &own)?;
         Ok(Shared {
             uniform: self.gpu.create_buffer_with(
                 "orogeny.brush.uniform",

@@ -3,9 +3,9 @@
 use orogeny_field::{Mirrors, SampleRect};
 use orogeny_gpu::Gpu;
 
+use super::uniforms::own_buffers;
 use crate::filter::kernels::{InputUniform, PlaneUniform, StepUniform};
 use crate::filter::{Graph, MAX_INPUTS};
-use crate::kernels::OwnData;
 use crate::{Error, Result};
 
 /// Samples a side of a workgroup.
@@ -141,9 +141,10 @@ impl GpuPlanes {
                 ("AT_ONCE_ALONG_X", along_x),
                 ("AT_ONCE_ALONG_Z", along_z),
             ]);
-            let buffers = [first, second, third, fourth, &plane.buffer];
+            let own_buffers = own_buffers(gpu, &own)?;
+            let buffers = [first, second, third, fourth, &plane.buffer].into_iter().chain(&own_buffers);
             let invocations = [rect.width().div_ceil(along_x), rect.depth().div_ceil(along_z)];
-            dispatch(gpu, encoder, stem, &own, &uniform, buffers, invocations)?;
+            dispatch(gpu, encoder, stem, &own.constants, &uniform, buffers, invocations)?;
         }
         if let Some(nothing) = nothing {
             self.give_back(nothing);
@@ -175,42 +176,40 @@ impl StepDispatch {
         let size = [result.rect.width(), result.rect.depth()];
         let input = InputUniform { plane: source.uniform(), ..InputUniform::default() };
         let uniform = StepUniform { result: result.uniform(), inputs: [input; MAX_INPUTS], size, extent };
-        let constants = [("MIRRORED_AXES", 0), ("AT_ONCE_ALONG_X", along_x), ("AT_ONCE_ALONG_Z", along_z)];
-        let kernel = gpu.kernel(stem, &constants)?;
-        let usage = wgpu::BufferUsages::UNIFORM;
-        let uniform = gpu.create_buffer_with("orogeny.brush.step", usage, bytemuck::bytes_of(&uniform))?;
         // Nothing is written where the kernel has a buffer of its own for that.
         let written = match own {
             None => result.buffer.clone(),
             Some(_) => gpu.create_buffer_with("orogeny.brush.nothing", wgpu::BufferUsages::STORAGE, &[])?,
         };
-        let planes = [&source.buffer; MAX_INPUTS].into_iter().chain([&written]);
-        let buffers = std::iter::once(&uniform).chain(planes).chain(own);
-        let invocations = [size[0].div_ceil(along_x), size[1].div_ceil(along_z)];
-        let workgroups = invocations.map(|num| num.div_ceil(WORKGROUP_SIDE));
-        kernel.record(gpu, encoder, stem, buffers.map(wgpu::Buffer::as_entire_binding), workgroups);
-        Ok(())
+        let [first, second, third, fourth] = [&source.buffer; MAX_INPUTS];
+        dispatch(
+            gpu,
+            encoder,
+            stem,
+            &[("MIRRORED_AXES", 0), ("AT_ONCE_ALONG_X", along_x), ("AT_ONCE_ALONG_Z", along_z)],
+            &uniform,
+            [first, second, third, fourth, &written].into_iter().chain(own),
+            [size[0].div_ceil(along_x), size[1].div_ceil(along_z)],
+        )
     }
 }
 
-fn dispatch(
+/// Records a step: `buffers` are those of the planes that are read, of the one that is written, and of the kernel's own.
+fn dispatch<'a>(
     gpu: &Gpu,
     encoder: &mut wgpu::CommandEncoder,
     stem: &'static str,
-    own: &OwnData,
+    constants: &[(&'static str, u32)],
     uniform: &StepUniform,
-    planes: [&wgpu::Buffer; MAX_INPUTS + 1],
+    buffers: impl Iterator<Item = &'a wgpu::Buffer>,
     invocations: [u32; 2],
 ) -> Result<()> {
-    let kernel = gpu.kernel(stem, &own.constants)?;
-    let (uniform_usage, storage_usage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
-    let small = |usage, bytes: &[u8]| gpu.create_buffer_with("orogeny.brush.step", usage, bytes);
-    let uniform_buffer = small(uniform_usage, bytemuck::bytes_of(uniform))?;
-    let own: Vec<_> = (own.uniforms.iter().map(|bytes| small(uniform_usage, bytes)))
-        .chain(own.storage.iter().map(|bytes| small(storage_usage, bytes)))
-        .collect::<Result<_, _>>()?;
-    let buffers = std::iter::once(&uniform_buffer).chain(planes).chain(&own);
+    let kernel = gpu.kernel(stem, constants)?;
+    let usage = wgpu::BufferUsages::UNIFORM;
+    let uniform = gpu.create_buffer_with("orogeny.brush.step", usage, bytemuck::bytes_of(uniform))?;
+    let bindings =
+        std::iter::once(uniform.as_entire_binding()).chain(buffers.map(|buffer| buffer.as_entire_binding()));
     let workgroups = invocations.map(|num| num.div_ceil(WORKGROUP_SIDE));
-    kernel.record(gpu, encoder, stem, buffers.map(wgpu::Buffer::as_entire_binding), workgroups);
+    kernel.record(gpu, encoder, stem, bindings, workgroups);
     Ok(())
 }

@@ -1,7 +1,9 @@
 //! What a pass is to the kernels: the mirrors of `shaders/driver/`, the constants, and what each kernel has of its own.
 
 use orogeny_field::{CURVE_TABLE_LENGTH, CurveTable, FalloffFormula, Footprint, Instance};
+use orogeny_gpu::Gpu;
 
+use crate::Result;
 use crate::kernels::{
     OwnData, Rule, custom, ledge, level, mask, noise, ramp, range_map, roughen, stamp, terrace,
 };
@@ -92,4 +94,13 @@ pub(super) fn curves(pass: &Pass) -> Vec<f32> {
         values.push(0.0);
     }
     values
+}
+
+/// The buffers of what a kernel has of its own, in the order of their bindings.
+pub(super) fn own_buffers(gpu: &Gpu, own: &OwnData) -> Result<Vec<wgpu::Buffer>> {
+    let (uniform, storage) = (wgpu::BufferUsages::UNIFORM, wgpu::BufferUsages::STORAGE);
+    (own.uniforms.iter().map(|bytes| (uniform, bytes)))
+        .chain(own.storage.iter().map(|bytes| (storage, bytes)))
+        .map(|(usage, bytes)| Ok(gpu.create_buffer_with("orogeny.brush.own", usage, bytes)?))
+        .collect()
 }

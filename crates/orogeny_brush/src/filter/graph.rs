@@ -99,12 +99,6 @@ impl Graph {
         self.extent
     }
 
-    /// Whether a plane is made of no other.
-    #[must_use]
-    pub fn is_given(&self, place: usize) -> bool {
-        self.nodes.get(place).is_some_and(|node| node.step.is_given())
-    }
-
     /// Where what a plane is a part of is mirrored.
     #[must_use]
     pub fn mirrors(&self, place: usize) -> Mirrors {

@@ -22,6 +22,18 @@ pub enum Axis {
     Z,
 }
 
+impl Axis {
+    /// The mirrors of what is made along it: along the other one each row or column is made of its own alone.
+    fn of_mirrors(self, source: Mirrors, made: impl FnOnce(Option<u32>) -> Option<u32>) -> Mirrors {
+        let [x, z] = source.periods;
+        let periods = match self {
+            Self::X => [made(x), z],
+            Self::Z => [x, made(z)],
+        };
+        Mirrors { periods }
+    }
+}
+
 /// How the values of a plane are made of those of others.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
@@ -184,22 +196,11 @@ impl Step {
         match self {
             Self::Raster(plane) => Mirrors::of_extent([plane.rect().width(), plane.rect().depth()]),
             _ if self.is_given() => Mirrors::of_extent(terrain),
-            // Along the other axis each row or column is made of its own alone.
-            Self::Convolve { axis, .. } | Self::Interpolate { axis, .. } => {
-                let [x, z] = first.periods;
-                let along = |period: Option<u32>| match self {
-                    Self::Convolve { stride, .. } => {
-                        period.filter(|period| period.is_multiple_of(*stride))?.checked_div(*stride)
-                    }
-                    // What lies between two samples has other bits when it is made from behind.
-                    _ => None,
-                };
-                let periods = match axis {
-                    Axis::X => [along(x), z],
-                    Axis::Z => [x, along(z)],
-                };
-                Mirrors { periods }
-            }
+            Self::Convolve { axis, stride, .. } => axis.of_mirrors(first, |period| {
+                period.filter(|period| period.is_multiple_of(*stride))?.checked_div(*stride)
+            }),
+            // What lies between two samples has other bits when it is made from behind.
+            Self::Interpolate { axis, .. } => axis.of_mirrors(first, |_| None),
             _ => Mirrors::NONE,
         }
     }

@@ -82,8 +82,8 @@ fn comparing(editor: &mut Editor, ui: &mut Ui) {
             }
         }
     });
-    let panes = editor.document.iter().flat_map(crate::document::Document::panes);
-    if let Some((text, _)) = panes.into_iter().find_map(|pane| editor.comparison(pane)) {
+    let mut panes = editor.document.iter().flat_map(crate::document::Document::panes);
+    if let Some((text, _)) = panes.find_map(|pane| editor.comparison(pane)) {
         ui.colored_label(COMPARING, text);
     }
 }

@@ -2,15 +2,14 @@
 //!
 //! A process has one loop of events, and a screen is named to it by the environment; so the window opens in a child.
 
-use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use egui::{Event, Modifiers, PointerButton, Pos2, pos2};
 use orogeny_engine::{Adapter, Operation, Presets, Quiet, Settings, Terrain, TerrainGrid};
 use orogeny_tests::child::{acknowledge, acknowledged, child, child_path};
-use orogeny_tests::skip;
+use orogeny_tests::{Screen as HiddenScreen, skip};
 use winit::platform::x11::EventLoopBuilderExtX11 as _;
 
 use super::*;
@@ -25,28 +24,6 @@ const GROUND: [usize; 4] = [400, 250, 1000, 700];
 /// The points of the stroke, and the one at which the device goes.
 const NUM_POINTS: u16 = 16;
 const LOST_AT: u16 = 8;
-
-/// A screen that ends with the test.
-struct Screen(Child);
-
-impl Drop for Screen {
-    fn drop(&mut self) {
-        self.0.kill().ok();
-        self.0.wait().ok();
-    }
-}
-
-impl Screen {
-    /// With what names it; `None` where there is no program that makes one.
-    fn new(folder: &Path) -> Option<(Self, String)> {
-        let mut command = Command::new("Xvfb");
-        command.args(["-displayfd", "1", "-screen", "0", "1440x900x24", "-noreset", "-fbdir"]).arg(folder);
-        let mut server = Self(command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().ok()?);
-        let mut number = String::new();
-        BufReader::new(server.0.stdout.take()?).read_line(&mut number).ok()?;
-        Some((server, format!(":{}", number.trim())))
-    }
-}
 
 /// Colours that differ in a part of what the screen shows.
 fn num_colours(framebuffer: &Path, [left, top, right, bottom]: [usize; 4]) -> usize {
@@ -189,7 +166,7 @@ fn a_device_that_is_lost_in_mid_stroke_costs_the_window_nothing() {
         return draw_in_a_window(&folder);
     }
     let folder = tempfile::tempdir().unwrap();
-    let Some((_screen, display)) = Screen::new(folder.path()) else {
+    let Some(screen) = HiddenScreen::new(Some(folder.path())) else {
         return skip("window", "Xvfb is not there; `cargo xtask setup` installs it");
     };
     let path = folder.path().join("t.orogeny");
@@ -203,7 +180,7 @@ fn a_device_that_is_lost_in_mid_stroke_costs_the_window_nothing() {
 
     let test = "window::tests::a_device_that_is_lost_in_mid_stroke_costs_the_window_nothing";
     let mut command = child(test, folder.path());
-    command.env("DISPLAY", display).env_remove("WAYLAND_DISPLAY");
+    command.env("DISPLAY", &screen.display).env_remove("WAYLAND_DISPLAY");
     command.env(FRAMEBUFFER, folder.path().join("Xvfb_screen0")).stderr(Stdio::piped());
     let output = command.output().unwrap();
     let told = acknowledged(&output.stdout);

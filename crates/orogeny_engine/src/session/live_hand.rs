@@ -112,7 +112,7 @@ pub(super) fn or_none(pages: Result<Vec<PageData>>) -> Vec<PageData> {
 impl LiveHand<'_> {
     /// Every look is answered, and none ends the stroke, unless what it has painted is lost.
     fn look(&mut self, so_far: &mut SoFar<'_, '_, '_>, requests: Vec<PageRequest>) -> Result<()> {
-        let (parts, whole): (Vec<_>, Vec<_>) = requests.iter().partition(|request| request.rect.is_some());
+        let (parts, whole): (Vec<_>, Vec<_>) = requests.iter().copied().partition(PageRequest::is_part);
         let looked = self.looker.parts_in(&self.grid, so_far, &parts).and_then(|found| {
             let (mut pages, rest) = match found {
                 Some(pages) => (pages, whole),

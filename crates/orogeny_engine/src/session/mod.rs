@@ -64,6 +64,13 @@ pub struct PageRequest {
     pub rect: Option<SampleRect>,
 }
 
+impl PageRequest {
+    /// Whether it is for heights of a part of a page.
+    fn is_part(&self) -> bool {
+        self.rect.is_some_and(|rect| !rect.is_empty())
+    }
+}
+
 /// What the thread is asked to do, and by whom.
 #[derive(Debug)]
 enum Task {

@@ -56,8 +56,7 @@ impl Looker {
         requests: &[PageRequest],
         pages: &mut [PageData],
     ) -> Result<()> {
-        let is_part = |request: &PageRequest| request.rect.is_some_and(|rect| !rect.is_empty());
-        if self.shows_masks() || !requests.iter().any(is_part) {
+        if self.shows_masks() || !requests.iter().any(PageRequest::is_part) {
             return Ok(());
         }
         if !terrain.executor().is_some_and(|executor| self.is_drawn_on(executor)) {
@@ -68,9 +67,9 @@ impl Looker {
         let Some(field) = self.only_field(store.layers(), &mut StorePages::new(store))? else {
             return Ok(());
         };
-        let parts: Vec<_> = requests.iter().copied().filter(is_part).collect();
+        let parts: Vec<_> = requests.iter().copied().filter(PageRequest::is_part).collect();
         let Some(levels) = terrain.levels(field, &wanted(&grid, layout, &parts))? else { return Ok(()) };
-        for (request, page) in requests.iter().zip(pages).filter(|(request, _)| is_part(request)) {
+        for (request, page) in requests.iter().zip(pages).filter(|(request, _)| request.is_part()) {
             page.on_device = levels.planes.get(usize::from(request.place.level)).cloned().flatten();
         }
         Ok(())

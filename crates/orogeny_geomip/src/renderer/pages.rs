@@ -62,6 +62,9 @@ impl Renderer {
     /// Takes parts of pages that are there and have changed from where they lie on this device: of each page so many samples from a first one on.
     /// What is not there, in the page or in the plane, is left out.
     pub fn copy_parts(&mut self, parts: &[(PagePlace, [u32; 2], [u32; 2], &DevicePlane)]) {
+        if parts.is_empty() {
+            return;
+        }
         let label = Some("orogeny.drawn.parts");
         let mut encoder = self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
         for (place, first, num, plane) in parts {

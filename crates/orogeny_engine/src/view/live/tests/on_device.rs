@@ -1,8 +1,5 @@
 //! Strokes that are drawn from where they lie on the device.
 
-use orogeny_geomip::FrameReport;
-use orogeny_gpu::Gpu;
-
 use super::*;
 
 /// A terrain of several pages with relief, which is drawn on a device and worked on there.
@@ -15,23 +12,43 @@ fn plain_terrain_at(path: &Path, gpu: &Gpu) -> Terrain {
     terrain
 }
 
-/// A window on a session.
-struct Onlooker {
-    gpu: Gpu,
-    session: Session,
-    view: Option<LiveView>,
+/// What a session told.
+#[derive(Default)]
+struct Told {
     status: Option<Status>,
     ended: Vec<Ticket>,
     num_on_device: usize,
 }
 
+impl Told {
+    fn take(&mut self, event: &Event) {
+        match event {
+            Event::Status(status) => self.status = Some((**status).clone()),
+            Event::Done { ticket, .. } | Event::Failed { ticket, .. } => self.ended.push(*ticket),
+            Event::Pages(pages) => {
+                self.num_on_device += pages.iter().filter(|page| page.on_device.is_some()).count();
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A window on a session.
+struct Onlooker {
+    gpu: Gpu,
+    session: Session,
+    view: Option<LiveView>,
+    told: Told,
+}
+
 impl Onlooker {
     fn new(gpu: &Gpu, terrain: Terrain) -> Self {
         let session = Session::of(terrain, || {}).unwrap();
-        Self { gpu: gpu.clone(), session, view: None, status: None, ended: Vec::new(), num_on_device: 0 }
+        Self { gpu: gpu.clone(), session, view: None, told: Told::default() }
     }
 
-    fn draw(view: &mut LiveView) -> FrameReport {
+    /// Draws until all is there, and something is so.
+    fn until(&mut self, is_so: impl Fn(&Told) -> bool) -> Vec<u8> {
         let request = ViewRequest {
             mode: Mode::Shaded,
             has_shadows: false,
@@ -39,50 +56,15 @@ impl Onlooker {
             range_m: Some([0.0, 60.0]),
             ..ViewRequest::default()
         };
-        let (eye, target) = (glam::DVec3::new(350.0, 420.0, 760.0), glam::DVec3::new(350.0, 20.0, 300.0));
-        let size_px = [160, 90];
-        view.draw(&Camera::looking_at(eye, target, 0.8, size_px), size_px, &request).unwrap()
-    }
-
-    /// Draws until all is there, and something is so.
-    fn until(&mut self, is_so: impl Fn(&Self) -> bool) -> Vec<u8> {
-        let start = Instant::now();
-        loop {
-            assert!(start.elapsed() < WAIT, "it is never complete");
-            for event in self.session.events() {
-                match &event {
-                    Event::Status(status) => {
-                        self.status = Some((**status).clone());
-                        if self.view.is_none() {
-                            self.view = Some(LiveView::new(&self.gpu, status, 64 << 20).unwrap());
-                        }
-                    }
-                    Event::Done { ticket, .. } | Event::Failed { ticket, .. } => self.ended.push(*ticket),
-                    Event::Pages(pages) => {
-                        self.num_on_device += pages.iter().filter(|page| page.on_device.is_some()).count();
-                    }
-                    _ => {}
-                }
-                if let Some(view) = &mut self.view {
-                    view.take(&event).unwrap();
-                }
-            }
-            let is_so = is_so(self);
-            if let Some(view) = &mut self.view {
-                Self::draw(view);
-                let wanted = view.wanted();
-                if !wanted.is_empty() {
-                    self.session.look(wanted);
-                } else if view.is_complete() && is_so {
-                    return view.targets.read(&view.gpu).unwrap();
-                }
-            }
-            std::thread::sleep(Duration::from_millis(2));
-        }
+        let Self { gpu, session, view, told } = self;
+        drawn_until(gpu, session, view, &request, false, |events| {
+            events.iter().for_each(|event| told.take(event));
+            is_so(told)
+        })
     }
 
     fn until_ended(&mut self, ticket: Ticket) -> Vec<u8> {
-        self.until(|onlooker| onlooker.ended.contains(&ticket))
+        self.until(|told| told.ended.contains(&ticket))
     }
 
     fn uploaded_bytes(&self) -> u64 {
@@ -91,7 +73,7 @@ impl Onlooker {
 
     /// The picture of someone who has just come.
     fn afresh(&mut self) -> Vec<u8> {
-        let fresh = LiveView::new(&self.gpu, self.status.as_ref().unwrap(), 64 << 20).unwrap();
+        let fresh = LiveView::new(&self.gpu, self.told.status.as_ref().unwrap(), 64 << 20).unwrap();
         let old = self.view.replace(fresh);
         let picture = self.until(|_| true);
         self.view = old;
@@ -113,14 +95,14 @@ fn a_stroke_is_drawn_from_where_it_lies_and_nothing_goes_through_memory() {
         let mut onlooker = Onlooker::new(&gpu, plain_terrain_at(&path, &gpu));
         let before = onlooker.until(|_| true);
         let uploaded_before = onlooker.uploaded_bytes();
-        assert!(uploaded_before > 0 && onlooker.num_on_device == 0);
+        assert!(uploaded_before > 0 && onlooker.told.num_on_device == 0);
 
         let ticket = onlooker.session.begin_stroke(stroke(brush, "Base", &[]));
         let mut pictures = vec![before.clone()];
         for points in zigzag().chunks(20) {
             onlooker.session.push_points(ticket, points.to_vec());
-            let num_before = onlooker.num_on_device;
-            pictures.push(onlooker.until(|onlooker| onlooker.num_on_device > num_before));
+            let num_before = onlooker.told.num_on_device;
+            pictures.push(onlooker.until(|told| told.num_on_device > num_before));
         }
         for pair in pictures.windows(2) {
             assert!(num_apart(&pair[0], &pair[1]) > 50, "{brush}: a part of it is not seen");
@@ -149,7 +131,7 @@ fn a_stroke_that_is_given_up_leaves_the_picture_as_it_was() {
     let brush = r#"{"type": "lower", "radius": 60, "strength": 12}"#;
     let ticket = onlooker.session.begin_stroke(stroke(brush, "Base", &[]));
     onlooker.session.push_points(ticket, zigzag());
-    let meanwhile = onlooker.until(|onlooker| onlooker.num_on_device > 0);
+    let meanwhile = onlooker.until(|told| told.num_on_device > 0);
     assert!(num_apart(&meanwhile, &before) > 50);
     onlooker.session.cancel_all();
     assert!(onlooker.until_ended(ticket) == before);
@@ -178,7 +160,7 @@ fn a_terrain_of_several_layers_and_a_view_on_another_device_are_drawn_from_memor
         let after = onlooker.until_ended(ticket);
         assert!(num_apart(&after, &before) > 50, "{name}");
         assert!(after == onlooker.afresh(), "{name}");
-        assert_eq!(onlooker.num_on_device > 0, !has_more, "{name}");
+        assert_eq!(onlooker.told.num_on_device > 0, !has_more, "{name}");
         onlooker.session.close().unwrap();
     }
 }
